@@ -1,0 +1,13 @@
+//! Physical quantities, parameter descriptions and the transforms an optimiser works in.
+//!
+//! The whole workspace computes in **mm, s, N, MPa, rad**; files carry the unit in the key
+//! (`mu_kPa = 5.1`). [`Quantity`] knows the internal unit and every key suffix that is accepted.
+#![warn(missing_docs)]
+
+mod quantity;
+mod spec;
+mod transform;
+
+pub use quantity::{Quantity, Suffix};
+pub use spec::{ParamSpec, Parameter};
+pub use transform::Transform;
