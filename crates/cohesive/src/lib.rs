@@ -1,1 +1,11 @@
-//! stub
+#![doc = include_str!("../README.md")]
+#![warn(missing_docs)]
+
+mod envelope;
+mod law;
+
+pub use envelope::{
+    SEPARATION_DAMAGE, damage, delta_c, dissipated, effective_opening, envelope, initial_stiffness,
+    secant_stiffness, separated, work,
+};
+pub use law::{Cohesive, DELTA_MAX, GC, LAMBDA, PARAMETERS, PENALTY, SIGMA_C};

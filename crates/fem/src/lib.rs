@@ -1,1 +1,30 @@
-//! stub
+//! Quasi-static finite elements with memory, for strips that are pulled and torn.
+//!
+//! Mean-dilatation bricks ([`hex8`]), zero-thickness interface elements ([`interface`]), a load
+//! train in series, Newton with adaptive steps ([`march()`]), exact turning points, jumps at limit
+//! points or the equilibrium path through snap-back, an energy ledger, and sensitivities of force
+//! and displacements to every parameter by direct differentiation ([`sensitivity`]).
+//!
+//! The crate sees laws only as [`constitutive::PointLaw`] objects: it knows no material.
+#![warn(missing_docs)]
+
+mod energy;
+mod equilibrium;
+mod error;
+pub mod factor;
+pub mod hex8;
+pub mod interface;
+mod march;
+mod path;
+mod problem;
+pub mod sensitivity;
+mod state;
+mod system;
+
+pub use energy::Ledger;
+pub use equilibrium::{Control, NewtonOptions};
+pub use error::{ElementFault, FemError};
+pub use march::{Jump, MarchOptions, NoObserver, Observer, Run, StepRecord, Target, Warm, march};
+pub use problem::{Blend, Body, CohesiveElement, Link, LocalParams, MountField, Path, Prescribed, Problem, ShapeField};
+pub use state::{History, State, gather4, gather8};
+pub use system::{NONE, System};

@@ -1,1 +1,15 @@
-//! stub
+#![doc = include_str!("../README.md")]
+#![warn(missing_docs)]
+
+mod fibre;
+mod kinematics;
+mod law;
+pub mod published;
+mod tangent;
+pub mod uniaxial;
+
+pub use fibre::{FAMILIES, fibre_direction, fibre_response, fibre_strain};
+pub use law::{
+    D, FIBRE_ONSET, FibreInvariants, GAMMA, Hgo, K1, K2, KAPPA, MU, PARAMETERS, bulk_modulus, d_of,
+    matrix_response, volumetric,
+};

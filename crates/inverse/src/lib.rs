@@ -1,1 +1,29 @@
-//! stub
+#![doc = include_str!("../README.md")]
+#![warn(missing_docs)]
+
+mod covariance;
+mod data;
+mod fit;
+mod halton;
+mod linalg;
+mod multistart;
+mod problem;
+mod profile;
+mod quality;
+mod random;
+mod sloppy;
+mod staged;
+mod step;
+mod whiten;
+
+pub use covariance::{Estimate, Identifiability, Uncertainty, Z95, uncertainty};
+pub use data::{Block, Data, DataError, NoiseModel};
+pub use fit::{Fit, FitError, FitOptions, Iterate, Objective, StopReason, fit};
+pub use halton::halton;
+pub use multistart::{MultiStart, Spread, Starts, multi_start, starts};
+pub use problem::{Free, PredictError, Prediction, Prior, Problem};
+pub use profile::{Fixed, ProfilePoint, profile, profile_interval};
+pub use quality::{BlockQuality, Quality, aicc, bic, orthonormal, quality, rms};
+pub use random::Random;
+pub use staged::{Held, held_gain, staged_uncertainty};
+pub use whiten::{Noise, Whitened, Whitener};

@@ -1,1 +1,18 @@
-//! stub
+#![doc = include_str!("../README.md")]
+
+mod error;
+mod grid;
+mod lines;
+mod mesh;
+mod ordering;
+mod outline;
+mod quality;
+mod strip;
+
+pub use error::MeshError;
+pub use grid::strip;
+pub use mesh::{Interface, Mesh, area_of};
+pub use ordering::nested_dissection;
+pub use outline::{Outline, Profile};
+pub use quality::{Quality, quality};
+pub use strip::{MOST_ELEMENTS, Sizing, Strip, refine};

@@ -1,0 +1,214 @@
+//! Following the equilibrium path through limit points and snap-back.
+//!
+//! Pseudo-arc length in the plane of actuator displacement and mean opening. As a rig, the
+//! actuator stands still while the tear jumps: the path between the two equilibria is followed
+//! only to find the second one and the energy set free.
+
+use crate::equilibrium::{Border, Control, take_up, train_elongation};
+use crate::error::FemError;
+use crate::march::{Jump, March, fresh_commit};
+use crate::state::State;
+
+/// Steps before a path is given up.
+const MOST_STEPS: usize = 4000;
+
+/// Unit tangent (actuator, mean opening) of the path at a converged state.
+fn tangent(m: &March, border: &Border, state: &State) -> [f64; 2] {
+    let mut scratch = m.state.history.train.clone();
+    let (_, e_slope) = train_elongation(
+        m.problem, &m.local.train, &m.context(1.0), state.force, &m.state.history.train, &mut scratch,
+    );
+    let (_, s_slope) = take_up(m.problem, &m.local.takeup, state.actuator);
+    let du_a = (1.0 + e_slope * border.stiffness) / s_slope;
+    let dw: f64 = m.system.mean_opening.iter().map(|&(eq, w)| w * border.response[eq]).sum();
+    let norm = du_a.hypot(dw);
+    [du_a / norm, dw / norm]
+}
+
+/// A path in progress.
+struct Walk {
+    tangent: [f64; 2],
+    length: f64,
+    smallest: f64,
+    largest: f64,
+    rate: f64,
+    /// Previous state's displacements and the arc between it and the present one.
+    before: Option<(Vec<f64>, f64, f64, f64)>,
+}
+
+impl Walk {
+    fn start(m: &mut March, direction: f64, length: f64, rate: f64) -> Result<Self, FemError> {
+        // The tangent at the present state: assemble and factorise there.
+        let mut here = m.state.clone();
+        let ctx = m.context(0.0);
+        let at = m.state.actuator;
+        let mut relaxed = m.options.newton;
+        relaxed.tolerance = relaxed.tolerance.max(1e-6);
+        let kept = std::mem::replace(&mut m.options.newton, relaxed);
+        let solved = m.newton(ctx, Control::Actuator(at), &mut here);
+        m.options.newton = kept;
+        solved?;
+        let border = Border::of(m.system, m.problem.multiplicity)?;
+        let mut t = tangent(m, &border, &here);
+        if t[0] * direction < 0.0 {
+            t = [-t[0], -t[1]];
+        }
+        Ok(Self { tangent: t, length, smallest: length * 1e-4, largest: length, rate, before: None })
+    }
+
+    /// One accepted step along the path.
+    fn step(&mut self, m: &mut March, target: Option<usize>) -> Result<(), FemError> {
+        loop {
+            let w = m.mean_opening(&m.state.u);
+            let control = Control::Arc { from: [m.state.actuator, w], tangent: self.tangent, length: self.length };
+            let mut fresh = m.state.clone();
+            if let Some((u, grip, actuator, arc)) = &self.before {
+                let r = self.length / arc;
+                for (a, b) in fresh.u.iter_mut().zip(u) {
+                    *a += r * (*a - b);
+                }
+                fresh.grip += r * (fresh.grip - grip);
+                fresh.actuator += r * (fresh.actuator - actuator);
+            }
+            let dt = self.length / self.rate;
+            let attempt = m.newton(m.context(dt), control, &mut fresh).and_then(|c| {
+                let border = Border::of(m.system, m.problem.multiplicity)?;
+                let next = tangent(m, &border, &fresh);
+                let along = next[0] * self.tangent[0] + next[1] * self.tangent[1];
+                // A turn of more than about 45° in one step would skip a branch.
+                if along.abs() < 0.7 && self.length > self.smallest {
+                    return Err(FemError::Singular);
+                }
+                Ok((c, border, if along < 0.0 { [-next[0], -next[1]] } else { next }))
+            });
+            match attempt {
+                Ok((c, border, next)) => {
+                    let kept = (m.state.u.clone(), m.state.grip, m.state.actuator, self.length);
+                    let time = m.state.time + dt;
+                    let held = self.tangent;
+                    fresh_commit(m, fresh, time, dt, target, c.iterations, Some(held), &border)?;
+                    self.before = Some(kept);
+                    self.tangent = next;
+                    if c.iterations <= 5 {
+                        self.length = (1.5 * self.length).min(self.largest);
+                    }
+                    return Ok(());
+                }
+                Err(e) => {
+                    self.length *= 0.5;
+                    self.before = None;
+                    if self.length < self.smallest {
+                        return Err(e);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// `control = "path"`: follows the path until the actuator first reaches `to`, every step reported,
+/// then stands exactly there.
+pub(crate) fn follow(m: &mut March, to: f64, dt: f64, target: usize) -> Result<(), FemError> {
+    let start = m.state.actuator;
+    let direction = (to - start).signum();
+    let rate = (to - start).abs() / dt.max(1e-12);
+    if m.problem.path.is_none() {
+        return Err(FemError::Setup("path control needs a tear path".into()));
+    }
+    let mut walk = Walk::start(m, direction, m.options.arc_step, rate)?;
+    for _ in 0..MOST_STEPS {
+        let ahead = (to - m.state.actuator) * direction;
+        if walk.tangent[0] * direction * walk.length >= ahead && walk.tangent[0] * direction > 0.0 {
+            let mut fresh = m.state.clone();
+            let dt = ahead.abs() / rate;
+            if let Ok(c) = m.newton(m.context(dt), Control::Actuator(to), &mut fresh) {
+                let border = Border::of(m.system, m.problem.multiplicity)?;
+                let time = m.state.time + dt;
+                return fresh_commit(m, fresh, time, dt, Some(target), c.iterations, None, &border);
+            }
+            walk.length *= 0.5;
+        }
+        walk.step(m, None)?;
+    }
+    Err(FemError::NoConvergence {
+        displacement: m.state.actuator,
+        step: walk.length,
+        reason: format!("the path did not reach {to} mm in {MOST_STEPS} steps"),
+    })
+}
+
+/// A jump at a limit point: follows the path from the last state until it comes back to the same
+/// actuator displacement, drops the steps between, and records what was set free.
+pub(crate) fn jump(m: &mut March, direction: f64, length: f64, dt: f64) -> Result<(), FemError> {
+    let before = m.state.clone();
+    let first = m.run.steps.len();
+    let kept_recent = m.run.states.len();
+    let rate = length / dt.max(1e-9);
+    let mut walk = Walk::start(m, direction, length.max(1e-6), rate.max(1e-9))?;
+    walk.largest = m.options.arc_step.max(length);
+    let mut farthest = before.actuator;
+    let mut released = 0.0;
+    let mut turned = false;
+    for _ in 0..MOST_STEPS {
+        let (u0, f0) = (m.state.actuator, m.state.force);
+        walk.step(m, None)?;
+        released += 0.5 * (f0 + m.state.force) * (u0 - m.state.actuator);
+        if (m.state.actuator - farthest) * direction >= 0.0 && !turned {
+            farthest = m.state.actuator;
+        } else if (m.state.actuator - farthest) * direction < 0.0 {
+            turned = true;
+        }
+        let back = (m.state.actuator - farthest) * direction >= 0.0;
+        if turned && back && m.system.factor.negative_pivots() == 0 {
+            return land(m, before, farthest, first, kept_recent, released);
+        }
+        // The limit point was only a cut-off step away: the branch goes on without a jump.
+        if !turned && (m.state.actuator - before.actuator) * direction > 4.0 * length && m.system.factor.negative_pivots() == 0 {
+            return Ok(());
+        }
+    }
+    Err(FemError::NoConvergence {
+        displacement: before.actuator,
+        step: walk.length,
+        reason: "the tear neither stops nor finds a new equilibrium".into(),
+    })
+}
+
+/// Stands at the limit displacement on the new branch and writes the jump.
+fn land(m: &mut March, before: State, limit: f64, first: usize, states: usize, mut released: f64) -> Result<(), FemError> {
+    let mut fresh = m.state.clone();
+    let c = m.newton(m.context(0.0), Control::Actuator(limit), &mut fresh)?;
+    let border = Border::of(m.system, m.problem.multiplicity)?;
+    released += 0.5 * (m.state.force + fresh.force) * (m.state.actuator - fresh.actuator);
+    fresh_commit(m, fresh, before.time, 0.0, None, c.iterations, None, &border)?;
+    // Between the limit point and the new branch nothing is an answer of the rig.
+    let keep = m.run.steps[first..].iter().position(|s| s.negative_pivots > 0).map_or(first, |k| first + k);
+    let landed = m.run.steps.len() - 1;
+    let work_before = m.run.steps[..keep].last().map_or(0.0, |s| s.ledger.external_work);
+    let force_before = m.run.steps[..keep].last().map_or(before.force, |s| s.force);
+    let mut record = m.run.steps[landed].clone();
+    record.after_jump = true;
+    // ∫F du along the path is negative by what was set free: the rig did no work in the jump.
+    let along = record.ledger.external_work - work_before;
+    if m.options.ledger {
+        released = -along;
+        record.ledger.external_work = work_before;
+        record.ledger.released_in_jumps += released;
+    }
+    if m.options.keep_states {
+        let keep_states = states + (keep - first);
+        m.run.states.drain(keep_states..m.run.states.len() - 1);
+        m.run.path_histories.drain(keep_states..m.run.path_histories.len() - 1);
+    }
+    m.run.steps.truncate(keep);
+    m.run.jumps.push(Jump {
+        displacement: limit,
+        time: before.time,
+        force_before,
+        force_after: record.force,
+        released,
+        step: m.run.steps.len(),
+    });
+    m.run.steps.push(record);
+    Ok(())
+}

@@ -1,0 +1,75 @@
+//! The state of a body between steps.
+
+use crate::hex8;
+use crate::interface;
+use crate::problem::Problem;
+
+/// Displacements, forces and history at a converged step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    /// Nodal displacements, 3 per node, mm.
+    pub u: Vec<f64>,
+    /// Distance the clamps moved apart, mm.
+    pub grip: f64,
+    /// Actuator displacement, mm.
+    pub actuator: f64,
+    /// Force on the load train, N (whole specimen).
+    pub force: f64,
+    /// Clock, s.
+    pub time: f64,
+    /// History of all laws.
+    pub history: History,
+}
+
+/// Memory of all points.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct History {
+    /// Bulk: element, point, entry.
+    pub bulk: Vec<f64>,
+    /// Interface: element, point, entry.
+    pub path: Vec<f64>,
+    /// Load train: link, entry.
+    pub train: Vec<f64>,
+}
+
+impl History {
+    /// Virgin tissue.
+    pub fn virgin(problem: &Problem) -> Self {
+        let repeat = |specs: Vec<constitutive::HistorySpec>, points: usize| {
+            let one: Vec<f64> = specs.iter().map(|h| h.initial).collect();
+            one.repeat(points)
+        };
+        Self {
+            bulk: repeat(problem.bulk.history(), problem.body.hexes.len() * hex8::POINTS),
+            path: problem
+                .path
+                .as_ref()
+                .map_or_else(Vec::new, |p| repeat(p.law.history(), problem.body.cohesive.len() * interface::POINTS)),
+            train: problem.train.iter().flat_map(|l| l.law.history()).map(|h| h.initial).collect(),
+        }
+    }
+}
+
+impl State {
+    /// Undeformed, virgin.
+    pub fn virgin(problem: &Problem) -> Self {
+        Self {
+            u: vec![0.0; 3 * problem.body.nodes.len()],
+            grip: 0.0,
+            actuator: 0.0,
+            force: 0.0,
+            time: 0.0,
+            history: History::virgin(problem),
+        }
+    }
+}
+
+/// Displacements of the eight nodes of a brick.
+pub fn gather8(u: &[f64], nodes: &[usize; 8]) -> [[f64; 3]; 8] {
+    nodes.map(|n| [u[3 * n], u[3 * n + 1], u[3 * n + 2]])
+}
+
+/// Displacements of four nodes.
+pub fn gather4(u: &[f64], nodes: &[usize; 4]) -> [[f64; 3]; 4] {
+    nodes.map(|n| [u[3 * n], u[3 * n + 1], u[3 * n + 2]])
+}

@@ -1,0 +1,235 @@
+//! One table of every section and key: it drives the reader, the check for unknown keys, the documentation
+//! and the JSON schema.
+
+mod spelling;
+mod table;
+
+pub(crate) use spelling::{Match, Speller, closest};
+
+use params::Quantity;
+use serde::Serialize;
+use std::borrow::Cow;
+use std::sync::LazyLock;
+
+/// Limits of a number, internal unit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Limits {
+    /// Least value.
+    pub lower: f64,
+    /// Greatest value.
+    pub upper: f64,
+    /// Whether the least value itself is excluded.
+    pub above: bool,
+    /// Whether the greatest value itself is excluded.
+    pub below: bool,
+}
+
+impl Limits {
+    /// Both ends allowed.
+    pub const fn within(lower: f64, upper: f64) -> Self {
+        Self { lower, upper, above: false, below: false }
+    }
+
+    /// From 0, itself excluded, to `upper`.
+    pub const fn positive(upper: f64) -> Self {
+        Self { lower: 0.0, upper, above: true, below: false }
+    }
+
+    /// `x` if it is inside, pulled onto a limit if it is outside by no more than rounding.
+    pub(crate) fn admit(&self, x: f64) -> Option<f64> {
+        let slack = 1e-12 * self.lower.abs().max(self.upper.abs()).min(1.0);
+        let low = if self.above { x > self.lower } else { x >= self.lower - slack };
+        let high = if self.below { x < self.upper } else { x <= self.upper + slack.max(1e-12 * self.upper.abs()) };
+        (low && high).then(|| x.max(self.lower).min(self.upper))
+    }
+
+    /// The limits in words, in a unit whose factor to the internal unit is `factor`.
+    pub(crate) fn words(&self, factor: f64) -> String {
+        let (lower, upper) = (plain(self.lower / factor), plain(self.upper / factor));
+        match (self.above, self.below, self.lower.is_finite(), self.upper.is_finite()) {
+            (_, _, false, false) => "any number".to_owned(),
+            (true, _, _, false) => format!("a number above {lower}"),
+            (false, _, _, false) => format!("a number of at least {lower}"),
+            (_, _, false, true) => format!("a number of at most {upper}"),
+            (true, true, ..) => format!("a number between {lower} and {upper}, neither included"),
+            (true, false, ..) => format!("a number above {lower} and at most {upper}"),
+            (false, true, ..) => format!("a number from {lower} to below {upper}"),
+            (false, false, ..) => format!("a number from {lower} to {upper}"),
+        }
+    }
+}
+
+/// A number as a reader would write it, without the dust of unit conversion.
+pub(crate) fn plain(x: f64) -> String {
+    if (x - 1.0 / 3.0).abs() < 1e-12 {
+        return "1/3".to_owned();
+    }
+    let rounded: f64 = format!("{x:.9e}").parse().unwrap_or(x);
+    if rounded != 0.0 && !(1e-4..1e7).contains(&rounded.abs()) {
+        format!("{rounded:e}")
+    } else {
+        format!("{rounded}")
+    }
+}
+
+/// What a key takes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case", tag = "type")]
+pub enum Kind {
+    /// `true` or `false`.
+    Bool,
+    /// Any text.
+    Text,
+    /// The path of a file, relative to the file it is written in.
+    File,
+    /// A CSV file, or a list of rows of so many numbers.
+    Rows {
+        /// Physical kind of the numbers.
+        quantity: Quantity,
+        /// Numbers in a row.
+        columns: usize,
+    },
+    /// One of these words.
+    Choice {
+        /// The words.
+        words: Vec<String>,
+    },
+    /// A list of some of these words.
+    Words {
+        /// The words.
+        words: Vec<String>,
+    },
+    /// A whole number, both limits allowed.
+    Integer {
+        /// Least.
+        min: i64,
+        /// Greatest.
+        max: i64,
+    },
+    /// A whole number or `true`/`false` for the default/0.
+    Count {
+        /// Greatest.
+        max: i64,
+    },
+    /// Three whole numbers.
+    Divisions,
+    /// A number.
+    Number {
+        /// Physical kind, hence the unit suffixes of the key.
+        quantity: Quantity,
+        /// Limits, internal unit.
+        limits: Limits,
+    },
+    /// A parameter: a number, or `{ start, min, max, fixed }`.
+    Parameter {
+        /// Physical kind, hence the unit suffixes of the key.
+        quantity: Quantity,
+        /// Limits, internal unit.
+        limits: Limits,
+        /// Held fixed unless freed; `None`: said elsewhere.
+        fixed: Option<bool>,
+        /// Whether a list, one entry per area, is accepted too.
+        list: bool,
+    },
+    /// `true`, `false`, `"literature"`, or a table of priors.
+    Priors,
+    /// A list of test names or of `{ test, segment, from_s, to_s }`.
+    HoldOut,
+    /// A list of legs.
+    Legs,
+    /// A table with keys of its own.
+    Table,
+    /// A list of tables with keys of their own.
+    Tables,
+}
+
+/// What holds when a key is not given.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Fallback {
+    /// It must be given.
+    Required,
+    /// Nothing; in words what then happens.
+    Absent(Cow<'static, str>),
+    /// A number, internal unit.
+    Number(f64),
+    /// A whole number.
+    Integer(i64),
+    /// Yes or no.
+    Bool(bool),
+    /// A word.
+    Word(Cow<'static, str>),
+}
+
+/// One key of a file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Key {
+    /// Section, `""` for the top level, without brackets.
+    pub section: Cow<'static, str>,
+    /// Name without unit.
+    pub name: Cow<'static, str>,
+    /// What it takes.
+    #[serde(flatten)]
+    pub kind: Kind,
+    /// What holds when it is not given.
+    pub default: Fallback,
+    /// One line of explanation.
+    pub description: Cow<'static, str>,
+}
+
+impl Key {
+    /// Physical kind of the number, hence the unit suffixes of the key.
+    pub fn quantity(&self) -> Quantity {
+        match self.kind {
+            Kind::Number { quantity, .. } | Kind::Parameter { quantity, .. } => quantity,
+            _ => Quantity::Dimensionless,
+        }
+    }
+
+    /// Every accepted spelling with the factor to the internal unit, the preferred one first.
+    pub fn spellings(&self) -> Vec<(String, f64)> {
+        let with_units = |q: Quantity| {
+            q.suffixes().iter().map(|s| (format!("{}_{}", self.name, s.name), s.factor)).collect::<Vec<_>>()
+        };
+        match self.kind {
+            Kind::Rows { quantity, .. } => {
+                let mut all = vec![(self.name.to_string(), 1.0)];
+                all.extend(with_units(quantity));
+                all
+            }
+            _ if self.quantity().suffixes().is_empty() => vec![(self.name.to_string(), 1.0)],
+            _ => with_units(self.quantity()),
+        }
+    }
+
+    /// The preferred spelling.
+    pub fn spelling(&self) -> String {
+        self.spellings().swap_remove(0).0
+    }
+
+    /// `a`, `b` or `c`.
+    pub(crate) fn spelling_list(&self) -> String {
+        either(self.spellings().iter().map(|s| s.0.as_str()))
+    }
+}
+
+/// `` `a`, `b` or `c` ``
+pub(crate) fn either<'a>(words: impl Iterator<Item = &'a str>) -> String {
+    let words: Vec<String> = words.map(|w| format!("`{w}`")).collect();
+    match words.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
+        Some((last, _)) => last.clone(),
+        None => "nothing".to_owned(),
+    }
+}
+
+/// Every section and key, in the order of the documentation. Effects' keys come from the catalogue.
+pub fn keys() -> &'static [Key] {
+    static KEYS: LazyLock<Vec<Key>> = LazyLock::new(table::build);
+    &KEYS
+}
+
+/// The keys of one section.
+pub(crate) fn of(section: &str) -> Vec<Key> {
+    keys().iter().filter(|k| k.section == section).cloned().collect()
+}

@@ -1,0 +1,232 @@
+//! From files to a [`Case`].
+
+mod effects;
+mod model;
+mod parameter;
+mod priors;
+mod run;
+mod scalar;
+mod section;
+mod specimen;
+mod tests;
+
+pub(crate) use effects::option_key;
+pub(crate) use parameter::key_of;
+
+use crate::case::{Case, Geometry, Test};
+use crate::diagnostics::{Diagnostic, Diagnostics, Report, Severity, Sink};
+use crate::keys;
+use crate::registry::EffectRegistry;
+use crate::text::SourceFile;
+use section::{Context, Section};
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+use toml::de::DeTable;
+
+/// Largest TOML file, bytes.
+const LIMIT: u64 = 10_000_000;
+/// What a specimen file may hold when a config points to it.
+const SPECIMEN_KEYS: [&str; 4] = ["name", "provenance", "geometry", "tests"];
+
+/// Reads a specimen or a config with everything it points to.
+///
+/// # Errors
+/// Everything that is wrong with the file, the specimen it points to and their CSV files, at once.
+pub fn read_case(path: &Path, registry: &dyn EffectRegistry) -> Result<Case, Diagnostics> {
+    let sink = Sink::default();
+    let case = read(path, registry, &sink);
+    let failed = sink.has_errors();
+    let found = sink.into_sorted();
+    match case {
+        Some(case) if !failed => Ok(Case { warnings: found, ..case }),
+        _ => Err(Diagnostics(found)),
+    }
+}
+
+fn read(path: &Path, registry: &dyn EffectRegistry, sink: &Sink) -> Option<Case> {
+    let file = load(path, "a specimen or config file (TOML)", sink)?;
+    let document = parse(&file, sink)?;
+    let context = Context { file: &file, sink };
+    let top = Section::open(context, "the file", 0..0, document.get_ref(), keys::of(""));
+    let measured = match top.entry("specimen") {
+        Some(_) => pointed(&top)?,
+        None => Some(inline(&top)),
+    };
+    let (given, specimen_file) = match measured {
+        Some(measured) => (Some(measured.0), Some(measured.1)),
+        None => (None, None),
+    };
+    // A specimen that could not be read leaves no tests; the rest of the config is checked all the same.
+    let Measured { name, provenance, geometry, tests } = given.unwrap_or_default();
+    let identify = specimen::subsection(&top, "identify");
+    let priors = priors::priors(&identify, registry);
+    let is_config = top.entry("specimen").is_some() || keys_beyond_specimen(&top);
+    let own_name = specimen::checked_name(&top);
+    Some(Case {
+        name: own_name.or(name).unwrap_or_else(|| stem(path)),
+        provenance: top.text("provenance").map(str::to_owned).or(provenance).unwrap_or_default(),
+        parent: top.text("parent").map(str::to_owned),
+        specimen_file: specimen_file.filter(|f| !is_config || f != path),
+        config_file: is_config.then(|| path.to_owned()),
+        mesh: model::mesh(&top, &geometry),
+        bulk: model::bulk(&top),
+        interface: model::interface(&top),
+        effects: effects::effects(&top, registry, &tests),
+        identify: run::identify(&identify, &tests, priors),
+        solver: run::solver(&top, &tests),
+        output: run::output(&top),
+        geometry,
+        tests,
+        warnings: Vec::new(),
+    })
+}
+
+fn keys_beyond_specimen(top: &Section<'_>) -> bool {
+    top.all().any(|(k, _)| !SPECIMEN_KEYS.contains(&k.name.as_ref()))
+}
+
+/// What a specimen file holds.
+#[derive(Default)]
+struct Measured {
+    name: Option<String>,
+    provenance: Option<String>,
+    geometry: Geometry,
+    tests: Vec<Test>,
+}
+
+/// Geometry and tests that stand in the file itself.
+fn inline(top: &Section<'_>) -> (Measured, PathBuf) {
+    let path = top.context.file.path.clone();
+    for (name, expected) in [
+        ("geometry", "[geometry] with length_mm, width_mm and thickness_mm"),
+        ("tests", "[[tests]] with kind and data or protocol"),
+    ] {
+        if top.entry(name).is_none() {
+            let report = Report::error(format!("missing {expected}")).key(name);
+            top.context.report_file(report.help("or `specimen = \"…\"`, the file that has them"));
+        }
+    }
+    if top.entry("geometry").is_none() {
+        // Without dimensions nothing further can be said about them; the tests can still be checked.
+        let geometry = Geometry { length: f64::NAN, width: f64::NAN, ..Geometry::default() };
+        let tests = tests::tests(top, &geometry);
+        return (Measured { geometry, tests, ..Measured::default() }, path);
+    }
+    let geometry = specimen::geometry(top);
+    let tests = tests::tests(top, &geometry);
+    (Measured { name: None, provenance: None, geometry, tests }, path)
+}
+
+/// Geometry and tests of the specimen file that a config points to. The outer `None`: not worth going on.
+#[allow(clippy::option_option)]
+fn pointed(top: &Section<'_>) -> Option<Option<(Measured, PathBuf)>> {
+    let context = top.context;
+    for name in ["geometry", "tests"] {
+        if top.entry(name).is_some() {
+            top.fault(name, format!("`{name}` stands beside `specimen`; expected one or the other"));
+        }
+    }
+    let Some(given) = top.text("specimen") else { return Some(None) };
+    let path = specimen::resolve(context, given);
+    let file = match SourceFile::read(&path, LIMIT, "a specimen file (TOML)") {
+        Ok(file) => file,
+        Err(diagnostic) => {
+            specimen::linked(top, "specimen", diagnostic);
+            return Some(None);
+        }
+    };
+    let Some(document) = parse(&file, context.sink) else { return Some(None) };
+    let inner = Context { file: &file, sink: context.sink };
+    let section = Section::open(inner, "the specimen file", 0..0, document.get_ref(), keys::of(""));
+    for (key, entry) in section.all() {
+        if !SPECIMEN_KEYS.contains(&key.name.as_ref()) {
+            let message = format!("`{}` does not belong in a specimen file that a config points to", entry.written);
+            let report = Report::error(message).key(entry.written).help("move it to the config");
+            inner.report(report, entry.key_span.clone());
+        }
+    }
+    let (measured, path) = inline(&section);
+    let name = specimen::checked_name(&section).unwrap_or_else(|| stem(&path));
+    let provenance = section.text("provenance").map(str::to_owned);
+    Some(Some((Measured { name: Some(name), provenance, ..measured }, path)))
+}
+
+/// A name for a file that gives none: its own, or its folder's if it is called like the scaffold's.
+fn stem(path: &Path) -> String {
+    let absolute = crate::case::absolute(path);
+    let stem = absolute.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    let folder = absolute.parent().and_then(Path::file_name).map(|s| s.to_string_lossy().into_owned());
+    match stem.as_str() {
+        "specimen" | "config" | "run" | "" => folder.unwrap_or_else(|| "case".to_owned()),
+        _ => stem,
+    }
+}
+
+/// The text of a TOML file, or `None` and an error.
+fn load(path: &Path, what: &str, sink: &Sink) -> Option<SourceFile> {
+    match SourceFile::read(path, LIMIT, what) {
+        Ok(file) if file.is_blank() => {
+            sink.push(Report::error(format!("the file is empty; expected {what}")).about(path));
+            None
+        }
+        Ok(file) => Some(file),
+        Err(diagnostic) => {
+            sink.push(with_directory_help(path, diagnostic));
+            None
+        }
+    }
+}
+
+fn with_directory_help(path: &Path, mut diagnostic: Diagnostic) -> Diagnostic {
+    let inside = ["config.toml", "specimen.toml", "run.toml"].map(|name| path.join(name));
+    if let Some(file) = inside.iter().find(|f| f.is_file()) {
+        let file = crate::text::visible(&file.display().to_string());
+        diagnostic.help = Some(format!("did you mean `{file}`?"));
+    }
+    diagnostic
+}
+
+/// Errors of syntax shown per file.
+const SYNTAX_ERRORS: usize = 10;
+
+/// Parses TOML; errors of syntax end the reading of this file, keys given twice do not.
+fn parse<'a>(file: &'a SourceFile, sink: &Sink) -> Option<Spanned<DeTable<'a>>> {
+    // A large file is not worth recovering in: errors could be as many as its bytes.
+    let (document, errors) = if file.text.len() > 1_000_000 {
+        match DeTable::parse(&file.text) {
+            Ok(document) => (Some(document), Vec::new()),
+            Err(error) => (None, vec![error]),
+        }
+    } else {
+        let (document, errors) = DeTable::parse_recoverable(&file.text);
+        (Some(document), errors)
+    };
+    let mut fatal = document.is_none();
+    let mut last_line = 0;
+    for error in errors.iter().take(SYNTAX_ERRORS) {
+        let twice = error.message().starts_with("duplicate key");
+        fatal |= !twice;
+        let span = error.span().unwrap_or(0..0);
+        let line = file.line_column(span.start).0;
+        // What follows a first error in the same line is mostly its consequence.
+        if std::mem::replace(&mut last_line, line) == line {
+            continue;
+        }
+        let text = crate::text::visible(error.message());
+        let message = if twice { "this key is given twice".to_owned() } else { format!("not valid TOML: {text}") };
+        let mut report = Report::error(message);
+        if !twice && line == 1 && file.text.lines().next().is_some_and(|l| l.contains("time_") && l.contains(',')) {
+            report = report.help("this looks like a record; expected the specimen file that points to it");
+        }
+        sink.push(report.at(file, span));
+    }
+    fatal |= errors.len() > SYNTAX_ERRORS;
+    document.filter(|_| !fatal)
+}
+
+impl Severity {
+    /// Whether this stops a run.
+    pub fn is_error(self) -> bool {
+        self == Self::Error
+    }
+}

@@ -1,0 +1,151 @@
+//! A parameter: a number, or `{ start, min, max, fixed }`; per area, a list of these.
+
+use super::scalar::{self, Item};
+use super::section::{Context, Entry, Section};
+use crate::config::Value;
+use crate::keys::{Fallback, Key, Kind, Limits, Match, Speller};
+use crate::text::short;
+use params::Quantity;
+use toml::de::DeValue;
+
+/// What one entry must satisfy.
+struct Rule<'r> {
+    written: &'r str,
+    factor: f64,
+    limits: Limits,
+}
+
+impl<'a> Section<'a> {
+    /// A parameter; its defaults applied.
+    pub fn parameter(&self, name: &str) -> Value {
+        let key = self.key(name);
+        let given = self.entry(name).map(|e| self.one(key, e, e.item));
+        with_defaults(key, given.unwrap_or_default())
+    }
+
+    /// A parameter with one value, or one per area.
+    pub fn parameter_list(&self, name: &str, areas: usize) -> Vec<Value> {
+        let key = self.key(name);
+        let Some(entry) = self.entry(name) else { return vec![Value::default()] };
+        let DeValue::Array(items) = entry.item.get_ref() else {
+            return vec![self.one(key, entry, entry.item)];
+        };
+        if items.len() != 1 && items.len() != areas {
+            let message = format!(
+                "`{}` lists {} values, but areas = {areas}; expected one value, or {areas}",
+                entry.written,
+                items.len()
+            );
+            self.context.report(
+                crate::diagnostics::Report::error(message)
+                    .key(entry.written)
+                    .help(format!("set `areas = {}` in [interface], or change the list", items.len().max(1))),
+                entry.item.span(),
+            );
+        }
+        items.iter().map(|item| self.one(key, entry, item)).collect()
+    }
+
+    fn one(&self, key: &Key, entry: &Entry<'a>, item: &'a Item<'a>) -> Value {
+        let Kind::Parameter { limits, .. } = key.kind else { return Value::default() };
+        let rule = Rule { written: entry.written, factor: entry.factor, limits };
+        value(self.context, &rule, item)
+    }
+}
+
+fn with_defaults(key: &Key, mut value: Value) -> Value {
+    if let (None, Fallback::Number(x)) = (value.value, &key.default) {
+        let inside = value.min.is_none_or(|m| m <= *x) && value.max.is_none_or(|m| *x <= m);
+        value.value = inside.then_some(*x);
+    }
+    if let Kind::Parameter { fixed: Some(fixed), .. } = key.kind {
+        value.fixed = value.fixed.or(Some(fixed));
+    }
+    value
+}
+
+/// The keys of a parameter's table.
+fn keys() -> Vec<Key> {
+    let bare = |name: &'static str| Key {
+        section: "parameter".into(),
+        name: name.into(),
+        kind: Kind::Text,
+        default: Fallback::Absent("".into()),
+        description: "".into(),
+    };
+    ["start", "value", "min", "max", "fixed"].map(bare).to_vec()
+}
+
+fn value(context: Context<'_>, rule: &Rule<'_>, item: &Item<'_>) -> Value {
+    let DeValue::Table(table) = item.get_ref() else {
+        if matches!(item.get_ref(), DeValue::Integer(_) | DeValue::Float(_)) {
+            let x = scalar::quantity(context, rule.written, item, rule.factor, &rule.limits);
+            return Value { value: x, ..Value::default() };
+        }
+        let expected = format!("{}, or {{ start, min, max, fixed }}", rule.limits.words(rule.factor));
+        scalar::wrong_type(context, rule.written, item, &expected);
+        return Value::default();
+    };
+    let title = format!("`{}`", short(rule.written));
+    let (keys, mut out) = (keys(), Value::default());
+    let bounds = Limits { above: false, below: false, ..rule.limits };
+    for (key, item) in table {
+        let written = key.get_ref().as_ref();
+        let number = |limits: &Limits| {
+            scalar::quantity(context, &format!("{}.{written}", rule.written), item, rule.factor, limits)
+        };
+        match (Speller { title: &title, keys: &keys }).find(written) {
+            Match::Unknown(message, _) => scalar::clash(context, written, key.span(), message),
+            Match::Known(0 | 1, _) if out.value.is_some() => {
+                let message = format!("{title} has both `start` and `value`: they mean the same");
+                scalar::clash(context, written, key.span(), message);
+            }
+            Match::Known(0 | 1, _) => out.value = number(&rule.limits),
+            Match::Known(2, _) => out.min = number(&bounds),
+            Match::Known(3, _) => out.max = number(&bounds),
+            Match::Known(..) => out.fixed = scalar::flag(context, written, item),
+        }
+    }
+    check_order(context, rule, item, &out);
+    out
+}
+
+/// min < max, and the start between them.
+fn check_order(context: Context<'_>, rule: &Rule<'_>, item: &Item<'_>, v: &Value) {
+    let show = |x: f64| scalar::shown(x, rule.factor);
+    let fault = |message| scalar::clash(context, rule.written, item.span(), message);
+    let written = rule.written;
+    if let (Some(min), Some(max)) = (v.min, v.max)
+        && min >= max
+    {
+        fault(format!("`{written}` has min = {} and max = {}; expected min < max", show(min), show(max)));
+        return;
+    }
+    if let (Some(x), Some(min)) = (v.value, v.min)
+        && x < min
+    {
+        fault(format!("`{written}` starts at {}, below its min = {}", show(x), show(min)));
+    }
+    if let (Some(x), Some(max)) = (v.value, v.max)
+        && x > max
+    {
+        fault(format!("`{written}` starts at {}, above its max = {}", show(x), show(max)));
+    }
+}
+
+/// Limits of an effect's parameter, as its card says.
+pub(crate) fn limits_of(spec: &params::ParamSpec) -> Limits {
+    Limits::within(spec.lower, spec.upper)
+}
+
+/// A key of an effect's parameter.
+pub(crate) fn key_of(section: String, spec: &params::ParamSpec) -> Key {
+    let quantity: Quantity = spec.quantity;
+    Key {
+        section: section.into(),
+        name: spec.name.clone(),
+        kind: Kind::Parameter { quantity, limits: limits_of(spec), fixed: None, list: false },
+        default: Fallback::Absent(format!("{} (start)", crate::keys::plain(spec.in_file_unit(spec.start))).into()),
+        description: spec.description.clone(),
+    }
+}

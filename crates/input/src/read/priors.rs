@@ -1,0 +1,111 @@
+//! `identify.priors`: on, off, the literature's, or priors of one's own, keyed like the sections themselves.
+
+use super::effects::as_table;
+use super::parameter::key_of;
+use super::scalar::{self, Item};
+use super::section::{Context, Entry, Section};
+use crate::config::{Prior, PriorsConfig};
+use crate::diagnostics::Report;
+use crate::keys::{self, Fallback, Key, Kind, Limits};
+use crate::registry::EffectRegistry;
+use crate::text::short;
+use params::Quantity;
+use toml::de::{DeTable, DeValue};
+
+/// `identify.priors`
+pub(crate) fn priors(identify: &Section<'_>, registry: &dyn EffectRegistry) -> PriorsConfig {
+    let mut out = PriorsConfig::default();
+    let Some(entry) = identify.entry("priors") else { return out };
+    match entry.item.get_ref() {
+        DeValue::Boolean(b) => out.literature = Some(*b),
+        DeValue::String(s) if s == "literature" => out.literature = Some(true),
+        DeValue::String(s) if s == "off" => out.literature = Some(false),
+        DeValue::Table(table) => own(identify, entry, table, registry, &mut out),
+        _ => scalar::wrong_type(identify.context, "priors", entry.item, "true, false, \"literature\" or a table"),
+    }
+    out
+}
+
+fn own<'a>(
+    identify: &Section<'a>,
+    entry: &Entry<'a>,
+    table: &'a DeTable<'a>,
+    registry: &dyn EffectRegistry,
+    out: &mut PriorsConfig,
+) {
+    let group = |name: &'static str, kind| Key {
+        section: "identify.priors".into(),
+        name: name.into(),
+        kind,
+        default: Fallback::Absent("".into()),
+        description: "".into(),
+    };
+    let groups = vec![
+        group("literature", Kind::Bool),
+        group("bulk", Kind::Table),
+        group("interface", Kind::Table),
+        group("effects", Kind::Table),
+    ];
+    let context = identify.context;
+    let s = Section::open(context, "[identify.priors]", entry.key_span.clone(), table, groups);
+    out.literature = Some(s.flag("literature"));
+    for name in ["bulk", "interface"] {
+        let Some(e) = s.entry(name) else { continue };
+        let keys = keys::of(name).into_iter().filter(|k| matches!(k.kind, Kind::Parameter { .. })).collect();
+        if let Some(table) = as_table(&s, name, e.item) {
+            let part = Section::open(context, format!("[identify.priors.{name}]"), e.key_span.clone(), table, keys);
+            collect(&part, name, out);
+        }
+    }
+    let effects = s.entry("effects").and_then(|e| as_table(&s, "effects", e.item));
+    for (key, item) in effects.into_iter().flatten() {
+        let name = key.get_ref().as_ref();
+        let Some(specs) = registry.parameters(name) else {
+            context.report(Report::error(format!("unknown effect `{}` in [identify.priors]", short(name))), key.span());
+            continue;
+        };
+        let keys = specs.iter().map(|s| key_of(format!("effects.{name}"), s)).collect();
+        if let Some(table) = as_table(&s, name, item) {
+            let title = format!("[identify.priors.effects.{name}]");
+            collect(&Section::open(context, title, key.span(), table, keys), &format!("effects.{name}"), out);
+        }
+    }
+}
+
+/// Every prior of a section, under its parameter path.
+fn collect(s: &Section<'_>, prefix: &str, out: &mut PriorsConfig) {
+    for (key, entry) in s.all() {
+        let Some(prior) = prior(s.context, entry.written, entry.item, entry.factor, key) else { continue };
+        let (path, prior) = match key.name.as_ref() {
+            "bulk_modulus" => ("bulk.d".to_owned(), Prior { mean: 2.0 / prior.mean, quantity: Quantity::InverseStress, ..prior }),
+            name => (format!("{prefix}.{name}"), prior),
+        };
+        if out.given.insert(path.clone(), prior).is_some() {
+            s.context.report(Report::error(format!("`{path}` has two priors")), entry.key_span.clone());
+        }
+    }
+}
+
+/// `{ mean, relative_sd }`
+fn prior(context: Context<'_>, written: &str, item: &Item<'_>, factor: f64, key: &Key) -> Option<Prior> {
+    let DeValue::Table(table) = item.get_ref() else {
+        scalar::wrong_type(context, written, item, "{ mean, relative_sd }");
+        return None;
+    };
+    let Kind::Parameter { limits, .. } = key.kind else { return None };
+    let number = |name: &'static str, limits| Key {
+        section: "prior".into(),
+        name: name.into(),
+        kind: Kind::Number { quantity: Quantity::Dimensionless, limits },
+        default: Fallback::Required,
+        description: "a number".into(),
+    };
+    let in_file = Limits { lower: limits.lower / factor, upper: limits.upper / factor, ..limits };
+    let keys = vec![number("mean", in_file), number("relative_sd", Limits::positive(100.0))];
+    let s = Section::open(context, format!("prior `{}`", short(written)), item.span(), table, keys);
+    let prior = Prior { mean: s.number("mean") * factor, relative_sd: s.number("relative_sd"), quantity: key.quantity() };
+    if prior.mean == 0.0 {
+        s.fault("mean", "`mean` is 0; expected another number, since relative_sd is a share of it");
+    }
+    (prior.mean.is_finite() && prior.relative_sd.is_finite()).then_some(prior)
+}

@@ -1,0 +1,168 @@
+//! `[[tests]]`
+
+use super::scalar;
+use super::section::{Context, Section};
+use super::specimen::{checked_name, linked, resolve};
+use crate::case::{Ends, Geometry, Grips, Leg, Record, Test, TestKind};
+use crate::csv;
+use crate::diagnostics::Report;
+use crate::keys::{self, plain};
+use std::ops::Range;
+use toml::de::DeValue;
+
+/// Most tests of one piece.
+const MOST: usize = 1000;
+
+/// All tests, in order, with unique names.
+pub(crate) fn tests(top: &Section<'_>, geometry: &Geometry) -> Vec<Test> {
+    let context = top.context;
+    let Some(entry) = top.entry("tests") else { return Vec::new() };
+    let Some(items) = scalar::list(context, "tests", entry.item, "[[tests]], one table per test") else {
+        return Vec::new();
+    };
+    if items.is_empty() || items.len() > MOST {
+        let message = format!("`tests` lists {}; expected 1 to {MOST} tests", items.len());
+        context.report(Report::error(message).key("tests"), entry.key_span.clone());
+        return Vec::new();
+    }
+    let mut out = Vec::new();
+    let mut named: Vec<(Option<String>, Range<usize>)> = Vec::new();
+    for (i, item) in items.iter().enumerate() {
+        let title = format!("[[tests]] {}", i + 1);
+        let DeValue::Table(table) = item.get_ref() else {
+            scalar::wrong_type(context, &title, item, "a table");
+            continue;
+        };
+        let section = Section::open(context, title, item.span(), table, keys::of("tests"));
+        named.push((checked_name(&section), section.span_of("name")));
+        out.push(test(&section, geometry));
+    }
+    name_all(context, &mut out, &named);
+    out
+}
+
+fn test(s: &Section<'_>, geometry: &Geometry) -> Test {
+    let test = Test {
+        name: String::new(),
+        kind: [TestKind::Uniaxial, TestKind::Tearing][s.choice("kind")],
+        ends: [Ends::Clamped, Ends::Sliding][s.choice("ends")],
+        grips: [Grips::Ends, Grips::Mouth][s.choice("grips")],
+        record: record(s),
+        protocol: protocol(s),
+        rest_s: s.optional_number("rest"),
+        remount: s.flag("remount"),
+        fresh_piece: s.flag("fresh_piece"),
+        force_sd: s.optional_number("force_sd"),
+        grip_displacement_sd: s.optional_number("grip_displacement_sd"),
+        tear_front_sd: s.optional_number("tear_front_sd"),
+        width_change_sd: s.optional_number("width_change_sd"),
+        tear_front_opening: s.optional_number("tear_front_opening"),
+    };
+    if s.entry("data").is_none() && s.entry("protocol").is_none() {
+        let report = Report::error(format!("{} has neither `data` nor `protocol`; expected one of them", s.title));
+        let help = "`data = \"record.csv\"`, or `protocol = [{ to_mm = 2.0, rate_mm_per_s = 0.05 }]` to simulate";
+        s.context.report(report.help(help), s.span.clone());
+    }
+    if s.entry("data").is_some() && s.entry("protocol").is_some() {
+        let report = Report::warning(format!("{} has `data` and `protocol`; the record is used", s.title));
+        s.context.report(report.key("protocol"), s.span_of("protocol"));
+    }
+    if let Some(record) = &test.record {
+        check_channels(s, &test, record, geometry);
+    }
+    test
+}
+
+fn record(s: &Section<'_>) -> Option<Record> {
+    let given = s.text("data")?;
+    match csv::read_record(&resolve(s.context, given), s.context.sink) {
+        Ok(record) => record,
+        Err(diagnostic) => {
+            linked(s, "data", diagnostic);
+            None
+        }
+    }
+}
+
+/// Channels that this kind of test cannot use, and displacements that look like another unit.
+fn check_channels(s: &Section<'_>, test: &Test, record: &Record, geometry: &Geometry) {
+    let warn = |message: String| {
+        let span = s.entry("data").map_or(s.span.clone(), |e| e.item.span());
+        s.context.report(Report::warning(message).key("data"), span);
+    };
+    if test.kind == TestKind::Tearing && record.width_change.is_some() {
+        warn("column `width_change_mm` of a tearing test is not used: it is for uniaxial tests".to_owned());
+    }
+    if test.kind == TestKind::Uniaxial && record.tear_front.is_some() {
+        warn("column `tear_front_mm` of a uniaxial test is not used: nothing tears".to_owned());
+    }
+    let travel = record.displacement.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+    if test.grips == Grips::Ends && travel > 20.0 * geometry.length {
+        let (travel, length) = (plain(travel), plain(geometry.length));
+        warn(format!("the record moves {travel} mm on a length of {length} mm; are the units right?"));
+    }
+}
+
+fn protocol(s: &Section<'_>) -> Option<Vec<Leg>> {
+    let entry = s.entry("protocol")?;
+    let expected = "a list of { to_mm, rate_mm_per_s } and { hold_s }";
+    let items = scalar::list(s.context, "protocol", entry.item, expected)?;
+    if items.is_empty() {
+        s.fault("protocol", format!("`protocol` is empty; expected {expected}"));
+        return None;
+    }
+    let (mut legs, mut at) = (Vec::new(), Some(0.0));
+    for (i, item) in items.iter().enumerate() {
+        let title = format!("protocol leg {}", i + 1);
+        let DeValue::Table(table) = item.get_ref() else {
+            scalar::wrong_type(s.context, &title, item, "{ to_mm, rate_mm_per_s } or { hold_s }");
+            continue;
+        };
+        let section = Section::open(s.context, title, item.span(), table, keys::of("tests.protocol"));
+        legs.extend(leg(&section, &mut at));
+    }
+    (legs.len() == items.len()).then_some(legs)
+}
+
+/// One leg; `at` is where the actuator stands, if that is known.
+fn leg(s: &Section<'_>, at: &mut Option<f64>) -> Option<Leg> {
+    let given = ["to", "rate", "hold"].map(|name| s.entry(name).is_some());
+    let fault = |message: String| {
+        s.context.report(Report::error(message), s.span.clone());
+        None
+    };
+    match given {
+        [true, true, false] => {
+            let (to, rate) = (s.optional_number("to"), s.optional_number("rate"));
+            let from = std::mem::replace(at, to);
+            if let (Some(from), Some(to)) = (from, to)
+                && from == to
+            {
+                return fault(format!("{} ends where it begins, at {} mm; expected some travel, or a hold", s.title, plain(to)));
+            }
+            Some(Leg::Ramp { to_mm: to?, rate_mm_per_s: rate? })
+        }
+        [false, false, true] => Some(Leg::Hold { hold_s: s.optional_number("hold")? }),
+        _ => fault(format!("{} must have `to_mm` and `rate_mm_per_s`, or `hold_s` alone", s.title)),
+    }
+}
+
+/// Gives every test its name: its own, or its kind, repeats numbered. Equal names are errors.
+fn name_all(context: Context<'_>, tests: &mut [Test], named: &[(Option<String>, Range<usize>)]) {
+    for (i, (name, span)) in named.iter().enumerate() {
+        let Some(name) = name else { continue };
+        if let Some(first) = named[..i].iter().find(|n| n.0.as_ref() == Some(name)) {
+            let line = context.file.line_column(first.1.start).0;
+            let message = format!("two tests are named \"{name}\": the other stands in line {line}");
+            context.report(Report::error(message).key("name"), span.clone());
+        }
+        tests[i].name.clone_from(name);
+    }
+    let mut taken: Vec<String> = named.iter().filter_map(|n| n.0.clone()).collect();
+    for test in tests.iter_mut().filter(|t| t.name.is_empty()) {
+        let word = test.kind.word();
+        let numbered = std::iter::once(word.to_owned()).chain((2..).map(|n| format!("{word}-{n}")));
+        test.name = numbered.into_iter().find(|n| !taken.contains(n)).unwrap_or_default();
+        taken.push(test.name.clone());
+    }
+}

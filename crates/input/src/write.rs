@@ -1,0 +1,300 @@
+//! A resolved case back to TOML, so that reading it gives an equal case.
+
+use crate::case::{Case, Ends, Geometry, Grips, Leg, Record, Test, absolute};
+use crate::config::{
+    BulkConfig, Control, EffectConfig, FibreInvariants, Figure, HoldOut, IdentifyConfig, Integration,
+    InterfaceConfig, MeshConfig, Mode, OptionValue, OutputConfig, Profile, SolverConfig, Symmetry, Value,
+};
+use crate::units::{spell, spell_bulk_modulus};
+use params::Quantity;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// The resolved configuration with every default, as TOML.
+///
+/// Reading it back gives a case for which [`Case::same_input`] holds, to the last bit of every number.
+/// Records are named by their absolute paths; outlines and profiles are written out. A parameter for which
+/// the file gave nothing stands as a comment.
+pub fn resolved_toml(case: &Case) -> String {
+    resolved_toml_with(case, |record| absolute(&record.path))
+}
+
+/// The same, with the path of each record chosen by the caller (for instance of a copy in the run directory;
+/// relative paths are relative to the file that will be written).
+pub fn resolved_toml_with(case: &Case, path: impl Fn(&Record) -> PathBuf) -> String {
+    let mut w = Writer::default();
+    w.text("name", &case.name);
+    if !case.provenance.is_empty() {
+        w.text("provenance", &case.provenance);
+    }
+    if let Some(parent) = &case.parent {
+        w.text("parent", parent);
+    }
+    geometry(&mut w, &case.geometry);
+    for t in &case.tests {
+        test(&mut w, t, &path);
+    }
+    mesh(&mut w, &case.mesh);
+    bulk(&mut w, &case.bulk);
+    interface(&mut w, &case.interface);
+    for e in &case.effects {
+        effect(&mut w, e);
+    }
+    identify(&mut w, &case.identify);
+    solver(&mut w, &case.solver);
+    output(&mut w, &case.output);
+    w.out
+}
+
+#[derive(Default)]
+struct Writer {
+    out: String,
+}
+
+impl Writer {
+    fn line(&mut self, key: &str, value: &str) {
+        // Writing to a String cannot fail.
+        let _ = writeln!(self.out, "{key} = {value}");
+    }
+
+    fn header(&mut self, header: &str) {
+        let _ = writeln!(self.out, "\n{header}");
+    }
+
+    fn text(&mut self, key: &str, value: &str) {
+        self.line(key, &quoted(value));
+    }
+
+    fn number(&mut self, name: &str, quantity: Quantity, x: f64) {
+        let (key, numbers) = spell(quantity, name, &[x]);
+        self.line(&key, &float(numbers[0]));
+    }
+
+    fn optional(&mut self, name: &str, quantity: Quantity, x: Option<f64>) {
+        if let Some(x) = x {
+            self.number(name, quantity, x);
+        }
+    }
+
+    fn values(&mut self, name: &str, quantity: Quantity, values: &[Value], held: bool) {
+        let all: Vec<f64> = values.iter().flat_map(|v| [v.value, v.min, v.max]).flatten().collect();
+        let (key, numbers) = spell(quantity, name, &all);
+        self.spelled(&key, values, numbers, held);
+    }
+
+    fn spelled(&mut self, key: &str, values: &[Value], numbers: Vec<f64>, held: bool) {
+        let mut numbers = numbers.into_iter();
+        let mut next = |given: Option<f64>| given.and_then(|_| numbers.next());
+        let shown: Vec<_> = values
+            .iter()
+            .map(|v| value(Value { value: next(v.value), min: next(v.min), max: next(v.max), fixed: v.fixed }, held))
+            .collect();
+        match shown.as_slice() {
+            [Some(one)] => self.line(key, one),
+            [None] => {
+                let _ = writeln!(self.out, "# {key}: the parameter's own start and bounds");
+            }
+            many => {
+                let many: Vec<String> = many.iter().map(|v| v.clone().unwrap_or_else(|| "{}".to_owned())).collect();
+                self.line(key, &format!("[{}]", many.join(", ")));
+            }
+        }
+    }
+}
+
+/// `{:?}` prints the shortest digits that read back to the same number, always as a TOML float.
+fn float(x: f64) -> String {
+    format!("{x:?}")
+}
+
+fn quoted(text: &str) -> String {
+    toml_edit::Value::from(text).to_string().trim().to_owned()
+}
+
+/// A parameter's value; `None` if nothing is given. `held`: fixed is what holds anyway.
+fn value(v: Value, held: bool) -> Option<String> {
+    let fixed = v.fixed.filter(|f| !held || !f);
+    match (v.value, v.min, v.max, fixed) {
+        (None, None, None, None) => None,
+        (Some(x), None, None, None) => Some(float(x)),
+        (start, min, max, fixed) => {
+            let number = |name: &str, x: Option<f64>| x.map(|x| format!("{name} = {}", float(x)));
+            let flag = fixed.map(|f| format!("fixed = {f}"));
+            let parts = [number("start", start), number("min", min), number("max", max), flag];
+            Some(format!("{{ {} }}", parts.into_iter().flatten().collect::<Vec<_>>().join(", ")))
+        }
+    }
+}
+
+fn rows<const N: usize>(rows: &[[f64; N]]) -> String {
+    let row = |r: &[f64; N]| format!("[{}]", r.map(float).join(", "));
+    format!("[{}]", rows.iter().map(row).collect::<Vec<_>>().join(", "))
+}
+
+fn geometry(w: &mut Writer, g: &Geometry) {
+    w.header("[geometry]");
+    for (name, x) in [("length", g.length), ("width", g.width), ("thickness", g.thickness), ("cut", g.cut)] {
+        w.number(name, Quantity::Length, x);
+    }
+    w.optional("path_y", Quantity::Length, g.path_y);
+    if let Some(outline) = &g.outline {
+        w.line("outline_mm", &rows(outline));
+    }
+    if let Some(profile) = &g.thickness_profile {
+        w.line("thickness_profile_mm", &rows(profile));
+    }
+}
+
+fn test(w: &mut Writer, t: &Test, path: &impl Fn(&Record) -> PathBuf) {
+    w.header("[[tests]]");
+    w.text("name", &t.name);
+    w.text("kind", t.kind.word());
+    if let Some(record) = &t.record {
+        w.text("data", &path(record).to_string_lossy());
+    }
+    if let Some(legs) = &t.protocol {
+        let leg = |leg: &Leg| match leg {
+            Leg::Ramp { to_mm, rate_mm_per_s } => {
+                format!("{{ to_mm = {}, rate_mm_per_s = {} }}", float(*to_mm), float(*rate_mm_per_s))
+            }
+            Leg::Hold { hold_s } => format!("{{ hold_s = {} }}", float(*hold_s)),
+        };
+        w.line("protocol", &format!("[{}]", legs.iter().map(leg).collect::<Vec<_>>().join(", ")));
+    }
+    w.text("ends", if t.ends == Ends::Clamped { "clamped" } else { "sliding" });
+    w.text("grips", if t.grips == Grips::Ends { "ends" } else { "mouth" });
+    w.optional("rest", Quantity::Time, t.rest_s);
+    w.line("remount", &t.remount.to_string());
+    w.line("fresh_piece", &t.fresh_piece.to_string());
+    w.optional("force_sd", Quantity::Force, t.force_sd);
+    w.optional("grip_displacement_sd", Quantity::Length, t.grip_displacement_sd);
+    w.optional("tear_front_sd", Quantity::Length, t.tear_front_sd);
+    w.optional("width_change_sd", Quantity::Length, t.width_change_sd);
+    w.optional("tear_front_opening", Quantity::Length, t.tear_front_opening);
+}
+
+fn mesh(w: &mut Writer, m: &MeshConfig) {
+    w.header("[mesh]");
+    if let Some(d) = m.divisions {
+        w.line("divisions", &format!("[{}, {}, {}]", d[0], d[1], d[2]));
+    } else {
+        w.number("bulk_size", Quantity::Length, m.bulk_size);
+        w.number("path_size", Quantity::Length, m.path_size);
+        w.line("layers", &m.layers.to_string());
+    }
+    w.text("symmetry", if m.symmetry == Symmetry::Auto { "auto" } else { "none" });
+}
+
+fn bulk(w: &mut Writer, b: &BulkConfig) {
+    w.header("[bulk]");
+    w.values("mu", Quantity::Stress, &[b.mu], false);
+    w.values("k1", Quantity::Stress, &[b.k1], false);
+    w.values("k2", Quantity::Dimensionless, &[b.k2], false);
+    w.values("gamma", Quantity::Angle, &[b.gamma], false);
+    w.values("kappa", Quantity::Dimensionless, &[b.kappa], false);
+    match spell_bulk_modulus(&b.d) {
+        Some(modulus) => {
+            let numbers = [modulus.value, modulus.min, modulus.max].into_iter().flatten().collect();
+            w.spelled("bulk_modulus_MPa", &[modulus], numbers, true);
+        }
+        None => w.values("d", Quantity::InverseStress, &[b.d], true),
+    }
+    w.line("tension_only", &b.tension_only.to_string());
+    let isochoric = b.fibre_invariants == FibreInvariants::Isochoric;
+    w.text("fibre_invariants", if isochoric { "isochoric" } else { "full" });
+}
+
+fn interface(w: &mut Writer, i: &InterfaceConfig) {
+    w.header("[interface]");
+    w.line("areas", &i.areas.to_string());
+    w.text("profile", if i.profile == Profile::Piecewise { "piecewise" } else { "smooth" });
+    w.values("gc", Quantity::FractureEnergy, &i.gc, false);
+    w.values("sigma_c", Quantity::Stress, &i.sigma_c, false);
+    w.values("lambda", Quantity::Dimensionless, &[i.lambda], true);
+    w.values("penalty", Quantity::InterfaceStiffness, &[i.penalty], true);
+}
+
+fn effect(w: &mut Writer, e: &EffectConfig) {
+    w.header(&format!("[effects.{}]", toml_edit::Key::new(&e.name)));
+    for spec in &e.specs {
+        match e.parameters.get(spec.name.as_ref()) {
+            Some(v) => w.values(&spec.name, spec.quantity, &[*v], false),
+            None => {
+                let start = float(spec.in_file_unit(spec.start));
+                let _ = writeln!(w.out, "# {} = {start}: the parameter's own start", spec.key());
+            }
+        }
+    }
+    for (name, option) in &e.options {
+        match option {
+            OptionValue::Bool(b) => w.line(name, &b.to_string()),
+            OptionValue::Integer(i) => w.line(name, &i.to_string()),
+            OptionValue::Number(x) => w.line(name, &float(*x)),
+            OptionValue::Text(t) => w.text(name, t),
+        }
+    }
+}
+
+fn identify(w: &mut Writer, i: &IdentifyConfig) {
+    w.header("[identify]");
+    w.text("mode", if i.mode == Mode::Staged { "staged" } else { "joint" });
+    w.number("tolerance", Quantity::Dimensionless, i.tolerance);
+    w.line("max_iterations", &i.max_iterations.to_string());
+    w.line("multi_start", &i.multi_start.to_string());
+    w.line("coarse_first", &i.coarse_first.to_string());
+    w.line("seed", &i.seed.to_string());
+    if !i.hold_out.is_empty() {
+        let parts: Vec<String> = i.hold_out.iter().map(hold_out).collect();
+        w.line("hold_out", &format!("[{}]", parts.join(", ")));
+    }
+    match i.priors.literature {
+        Some(on) if i.priors.given.is_empty() => w.line("priors", &on.to_string()),
+        None => {
+            let _ = writeln!(w.out, "# priors: off to identify, on to diagnose");
+        }
+        Some(on) => {
+            w.header("[identify.priors]");
+            w.line("literature", &on.to_string());
+        }
+    }
+    for (path, prior) in &i.priors.given {
+        let (section, name) = path.rsplit_once('.').unwrap_or(("bulk", path));
+        let (key, mean) = spell(prior.quantity, name, &[prior.mean]);
+        let sd = float(prior.relative_sd);
+        w.line(&format!("{section}.{key}"), &format!("{{ mean = {}, relative_sd = {sd} }}", float(mean[0])));
+    }
+}
+
+fn hold_out(part: &HoldOut) -> String {
+    let mut out = vec![format!("test = {}", quoted(&part.test))];
+    out.extend(part.segment.as_ref().map(|s| format!("segment = {}", quoted(s))));
+    out.extend(part.from_s.map(|t| format!("from_s = {}", float(t))));
+    out.extend(part.to_s.map(|t| format!("to_s = {}", float(t))));
+    format!("{{ {} }}", out.join(", "))
+}
+
+fn solver(w: &mut Writer, s: &SolverConfig) {
+    w.header("[solver]");
+    w.optional("step", Quantity::Length, s.step_mm);
+    w.text("control", if s.control == Control::Actuator { "actuator" } else { "path" });
+    w.number("tolerance", Quantity::Dimensionless, s.tolerance);
+    w.line("max_iterations", &s.max_iterations.to_string());
+    w.number("min_step_fraction", Quantity::Dimensionless, s.min_step_fraction);
+    w.line("max_cuts", &s.max_cuts.to_string());
+    w.text("integration", if s.integration == Integration::Gauss { "gauss" } else { "nodal" });
+    w.number("viscous_regularisation", Quantity::Time, s.viscous_regularisation_s);
+    w.number("separated_damage", Quantity::Dimensionless, s.separated_damage);
+}
+
+fn output(w: &mut Writer, o: &OutputConfig) {
+    w.header("[output]");
+    w.optional("noise", Quantity::Dimensionless, o.noise);
+    w.line("seed", &o.seed.to_string());
+    w.line("fields", &o.fields.to_string());
+    let figure = |f: &Figure| match f {
+        Figure::Svg => "\"svg\"",
+        Figure::Pdf => "\"pdf\"",
+        Figure::Png => "\"png\"",
+    };
+    w.line("figures", &format!("[{}]", o.figures.iter().map(figure).collect::<Vec<_>>().join(", ")));
+}

@@ -1,0 +1,55 @@
+//! One damped step inside bounds.
+
+use crate::linalg::{Reduced, columns, damped_solve};
+use nalgebra::DVector;
+
+/// A box around the present point, as displacements.
+pub(crate) struct StepBox {
+    pub lower: DVector<f64>,
+    pub upper: DVector<f64>,
+}
+
+/// A step and the fall of the objective that the linear model promises for it.
+pub(crate) struct Step {
+    pub dz: DVector<f64>,
+    pub fall: f64,
+}
+
+/// min |r − J dz|² + λ Σ d dz² inside the box, by an active set: a variable at the edge of the box that
+/// is pushed outwards stays there; one that would leave the box is put on its edge and the others are
+/// solved again.
+pub(crate) fn bounded_step(system: &Reduced, d: &DVector<f64>, lambda: f64, space: &StepBox) -> Step {
+    let p = d.len();
+    let gradient = system.gradient();
+    let mut held: Vec<Option<f64>> = (0..p)
+        .map(|k| {
+            let outward =
+                (space.lower[k] >= 0.0 && gradient[k] <= 0.0) || (space.upper[k] <= 0.0 && gradient[k] >= 0.0);
+            outward.then_some(0.0)
+        })
+        .collect();
+    for _ in 0..=p {
+        let open: Vec<usize> = (0..p).filter(|&k| held[k].is_none()).collect();
+        let mut dz = DVector::from_iterator(p, held.iter().map(|h| h.unwrap_or(0.0)));
+        if !open.is_empty() {
+            let rhs = &system.c - &system.r * &dz;
+            let damping = DVector::from_iterator(open.len(), open.iter().map(|&k| lambda * d[k]));
+            let Some(x) = damped_solve(&columns(&system.r, &open), &rhs, &damping) else { break };
+            for (n, &k) in open.iter().enumerate() {
+                dz[k] = x[n];
+            }
+        }
+        let mut left = false;
+        for &k in &open {
+            if dz[k] < space.lower[k] || dz[k] > space.upper[k] {
+                held[k] = Some(dz[k].clamp(space.lower[k], space.upper[k]));
+                left = true;
+            }
+        }
+        if !left {
+            let fall = system.fall(&dz);
+            return Step { dz, fall };
+        }
+    }
+    Step { dz: DVector::zeros(p), fall: 0.0 }
+}
