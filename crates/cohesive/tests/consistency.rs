@@ -42,10 +42,8 @@ proptest! {
         let o = scaled(&o, &p);
         let (_, a) = by_jets(&o, &p, history(&o, &p, factor));
         let scale = a.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
-        for i in 0..3 {
-            for j in 0..3 {
-                prop_assert!((a[i][j] - a[j][i]).abs() <= 1e-14 * scale);
-            }
+        for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+            prop_assert!((a[i][j] - a[j][i]).abs() <= 1e-14 * scale);
         }
     }
 
@@ -76,8 +74,8 @@ proptest! {
         let (q, turned_new) = respond(&turn(&o), &p, old);
         let expected = turn(&r.force);
         let scale = expected.iter().fold(1e-12f64, |m, x| m.max(x.abs()));
-        for i in 0..3 {
-            prop_assert!((q.force[i] - expected[i]).abs() < 1e-12 * scale);
+        for (turned, wanted) in q.force.iter().zip(&expected) {
+            prop_assert!((turned - wanted).abs() < 1e-12 * scale);
         }
         prop_assert!((new - turned_new).abs() <= 1e-14 * new);
         prop_assert!((r.energy - q.energy).abs() <= 1e-12 * r.energy);

@@ -1,1 +1,29 @@
-//! stub
+#![doc = include_str!("../README.md")]
+#![warn(missing_docs)]
+
+mod candidate;
+mod discover;
+mod ladder;
+mod pairs;
+mod policy;
+mod protocol;
+mod score;
+mod statistic;
+mod sup;
+
+pub mod atlas;
+pub mod dependence;
+pub mod holdout;
+pub mod noise;
+pub mod segments;
+pub mod tails;
+pub mod words;
+
+pub use candidate::{Amplitude, Candidate, Shape, Side};
+pub use discover::{Discovery, Verdict, discover};
+pub use ladder::{Hints, Ladder, Rung, pays, weights};
+pub use noise::{NoiseError, NoiseEstimate};
+pub use pairs::{Pair, separation};
+pub use policy::Policy;
+pub use score::{Finding, Screen, ScreenError, score, screen};
+pub use segments::{RecordKind, Segment, SegmentKind};

@@ -43,7 +43,7 @@ fn run(name: &str, div: [usize; 3], tear: bool, k: f64, sc: f64, quarter: bool, 
     let p = problem(div, tear, quarter);
     let th = theta(k, sc);
     let mut sys = System::new(&p).unwrap();
-    let targets: Vec<Target> = if follow { vec![Target { actuator: 0.0, dt: 0.0 }, Target { actuator: 8.0, dt: 160.0 }] } else { data.iter().map(|d| Target { actuator: d.0, dt: 1.0 }).collect() };
+    let targets: Vec<Target> = if follow { vec![Target::new(0.0, 0.0), Target::new(8.0, 160.0)] } else { data.iter().map(|d| Target::new(d.0, 1.0)).collect() };
     let t = std::time::Instant::now();
     let o = MarchOptions { ledger: true, follow_path: follow, ..Default::default() };
     let r = march(&p, &th, &mut sys, None, &targets, &mut [], &NoObserver, o, None, &|| false);

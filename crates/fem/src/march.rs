@@ -18,6 +18,15 @@ pub struct Target {
     pub actuator: f64,
     /// Time since the previous target, s.
     pub dt: f64,
+    /// Whether the clock stands still while the time passes (a rest between two tests).
+    pub rest: bool,
+}
+
+impl Target {
+    /// A target reached after `dt` seconds.
+    pub const fn new(actuator: f64, dt: f64) -> Self {
+        Self { actuator, dt, rest: false }
+    }
 }
 
 /// How a run is made.
@@ -173,7 +182,7 @@ pub(crate) struct March<'a> {
     pub local: LocalParams<f64>,
     pub system: &'a mut System,
     pub free: Vec<usize>,
-    pub columns: &'a mut [Box<dyn Columns>],
+    pub columns: Vec<&'a mut (dyn Columns + 'static)>,
     pub observer: &'a dyn Observer,
     pub options: MarchOptions,
     pub state: State,
@@ -198,7 +207,7 @@ pub fn march(
     system: &mut System,
     initial: Option<State>,
     targets: &[Target],
-    columns: &mut [Box<dyn Columns>],
+    columns: &mut [&mut (dyn Columns + 'static)],
     observer: &dyn Observer,
     options: MarchOptions,
     warm: Option<&Warm>,
@@ -218,7 +227,7 @@ pub fn march(
         problem,
         system,
         free,
-        columns,
+        columns: columns.iter_mut().map(|c| &mut **c).collect(),
         observer,
         options,
         reusable,
@@ -276,7 +285,7 @@ impl March<'_> {
         let Some(at) = self.visits.iter().rposition(same) else { return false };
         let (step, state) = (self.visits[at].step, self.visits[at].state.clone());
         let before = self.run.steps.last().cloned();
-        let time = self.state.time + target.dt;
+        let time = self.state.time + if target.rest { 0.0 } else { target.dt };
         self.state = state;
         self.state.time = time;
         let mut record = self.run.steps[step].clone();
@@ -301,6 +310,7 @@ impl March<'_> {
     /// Goes to a target, cutting steps where needed.
     fn reach(&mut self, index: usize, target: &Target, mut guess: Option<Vec<f64>>) -> Result<(), FemError> {
         let (start, start_time) = (self.state.actuator, self.state.time);
+        let clock = if target.rest { 0.0 } else { 1.0 };
         let travel = target.actuator - start;
         if self.options.follow_path && travel != 0.0 {
             return path::follow(self, target.actuator, target.dt, index);
@@ -312,9 +322,9 @@ impl March<'_> {
             let last = end > 1.0 - 1e-12;
             let actuator = if last { target.actuator } else { start + end * travel };
             let dt = (end - done) * target.dt;
-            match self.attempt(actuator, dt, guess.take(), share <= 2.0 * self.options.min_step_fraction) {
+            match self.attempt(actuator, dt, clock, guess.take()) {
                 Ok((border, iterations, fresh)) => {
-                    fresh_commit(self, fresh, start_time + end * target.dt, dt, last.then_some(index), iterations, None, &border)?;
+                    fresh_commit(self, fresh, start_time + clock * end * target.dt, dt, last.then_some(index), iterations, None, &border)?;
                     if last {
                         return Ok(());
                     }
@@ -341,7 +351,7 @@ impl March<'_> {
     }
 
     /// One Newton solution at a standing actuator, with the checks that a step must pass.
-    fn attempt(&mut self, actuator: f64, dt: f64, guess: Option<Vec<f64>>, small: bool) -> Result<(Border, usize, State), FemError> {
+    fn attempt(&mut self, actuator: f64, dt: f64, clock: f64, guess: Option<Vec<f64>>) -> Result<(Border, usize, State), FemError> {
         let mut fresh = self.state.clone();
         fresh.actuator = actuator;
         let plain_train = self.problem.train.is_empty();
@@ -359,7 +369,7 @@ impl March<'_> {
             }
         }
         let moved = fresh.u != self.state.u;
-        let ctx = self.context(dt);
+        let ctx = Context { time: self.state.time + clock * dt, ..self.context(dt) };
         let solved = self.newton(ctx, Control::Actuator(actuator), &mut fresh);
         let converged = match solved {
             Ok(c) => c,
@@ -371,12 +381,12 @@ impl March<'_> {
             Err(e) => return Err(e),
         };
         let border = Border::of(self.system, self.problem.multiplicity)?;
-        self.check(&fresh, &border, small)?;
+        self.check(&fresh, &border)?;
         Ok((border, converged.iterations, fresh))
     }
 
     /// Stability, and no unexplained change of force.
-    fn check(&self, fresh: &State, border: &Border, _small: bool) -> Result<(), FemError> {
+    fn check(&self, fresh: &State, border: &Border) -> Result<(), FemError> {
         let unstable = |reason: &str| FemError::NoConvergence { displacement: fresh.actuator, step: 0.0, reason: reason.into() };
         if self.problem.path.is_some() && self.system.factor.negative_pivots() > 0 {
             return Err(unstable("the equilibrium found is unstable"));
@@ -479,7 +489,7 @@ pub(crate) fn fresh_commit(
     arc: Option<[f64; 2]>,
     border: &Border,
 ) -> Result<(), FemError> {
-    let ctx = m.context(dt);
+    let ctx = Context { time, ..m.context(dt) };
     let derivatives = differentiate(m, &fresh, ctx, arc, border)?;
     let slope = m.actuator_slope(border, &fresh);
     let ledger = if m.options.ledger { add_up(m, &fresh, ctx, slope) } else { Ledger::default() };

@@ -207,6 +207,10 @@ impl Describe<9> for Hgo {
         _old: &[f64],
         _new: &mut [f64],
     ) -> Option<([f64; 9], [[f64; 9]; 9])> {
-        Some(tangent::stress_and_tangent(self, gradient, params))
+        let mut answer = Some(([0.0; 9], [[0.0; 9]; 9]));
+        if let Some((stress, a)) = &mut answer {
+            tangent::stress_and_tangent(self, gradient, params, stress, a);
+        }
+        answer
     }
 }

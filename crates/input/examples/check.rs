@@ -8,9 +8,28 @@ use std::path::Path;
 struct Catalogue;
 
 const NAMES: [&str; 22] = [
-    "viscoelastic", "mullins", "permanent_set", "fiber_recruitment", "fiber_damage", "stiffness_drift", "law_shape",
-    "bridging", "rate_dependent_strength", "fatigue", "residual_opening", "heterogeneity", "compliance", "grip_slip",
-    "slack", "misalignment", "thickness_taper", "cut_length", "prestretch", "drift", "gain", "lag",
+    "viscoelastic",
+    "mullins",
+    "permanent_set",
+    "fiber_recruitment",
+    "fiber_damage",
+    "stiffness_drift",
+    "law_shape",
+    "bridging",
+    "rate_dependent_strength",
+    "fatigue",
+    "residual_opening",
+    "heterogeneity",
+    "compliance",
+    "grip_slip",
+    "slack",
+    "misalignment",
+    "thickness_taper",
+    "cut_length",
+    "prestretch",
+    "drift",
+    "gain",
+    "lag",
 ];
 
 impl EffectRegistry for Catalogue {

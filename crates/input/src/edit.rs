@@ -185,4 +185,3 @@ fn comment(reason: &str) -> String {
 fn one_line(text: &str) -> String {
     crate::text::visible(&text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
-

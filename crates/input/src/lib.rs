@@ -1,4 +1,34 @@
 //! The only reader of files: specimens and configurations (TOML), records and profiles (CSV).
+//!
+//! [`read_case`] turns a file into a [`Case`]: defaults applied, units converted to **mm, s, N, MPa, rad**,
+//! ranges checked, the files it points to read. Or it gives [`Diagnostics`]: everything that is wrong with all
+//! of them at once, with file, line and column, what was found and expected, and what was probably meant.
+//! One table, [`keys`], drives reading, checking, documentation and [`json_schema`].
+//!
+//! ```
+//! # let folder = tempfile::tempdir()?;
+//! # let path = folder.path().join("strip.toml");
+//! std::fs::write(&path, r#"
+//!     [geometry]
+//!     length_mm = 10.0
+//!     width_mm = 6.0
+//!     thickness_um = 800
+//!     [[tests]]
+//!     kind = "uniaxial"
+//!     protocol = [{ to_mm = 2.0, rate_mm_per_s = 0.05 }]
+//!     [bulk]
+//!     mu_kPa = { start = 5.0, max = 50.0 }
+//! "#)?;
+//! let case = input::read_case(&path, &input::NoEffects)?;
+//! assert_eq!(case.geometry.thickness, 0.8);
+//! assert_eq!(case.bulk.mu.max, Some(0.05));
+//! assert_eq!(case.tests[0].name, "uniaxial");
+//!
+//! std::fs::write(&path, "[bulk]\nmu_kpa = 5.0\n")?;
+//! let faults = input::read_case(&path, &input::NoEffects).unwrap_err().to_string();
+//! assert!(faults.contains("strip.toml:2:1: error: unknown key `mu_kpa` in [bulk]; did you mean `mu_kPa`?"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 #![warn(missing_docs)]
 
 mod case;

@@ -76,7 +76,11 @@ fn parameter(limits: &Limits, factor: f64, list: bool) -> Value {
     });
     let table = json!({ "type": "object", "additionalProperties": false, "properties": fields });
     let one = json!([bare, table]);
-    if list { json!({ "anyOf": [bare, table, { "type": "array", "items": { "anyOf": one } }] }) } else { json!({ "anyOf": one }) }
+    if list {
+        json!({ "anyOf": [bare, table, { "type": "array", "items": { "anyOf": one } }] })
+    } else {
+        json!({ "anyOf": one })
+    }
 }
 
 fn of_key(key: &Key, spelling: &str, factor: f64) -> Value {

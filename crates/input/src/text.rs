@@ -38,8 +38,8 @@ impl SourceFile {
     }
 
     /// Reads a file of at most `limit` bytes; `what` names what was expected ("a specimen or config file").
-    pub fn read(path: &Path, limit: u64, what: &str) -> Result<Self, Diagnostic> {
-        let fault = |message: String| Report::error(message).about(path);
+    pub fn read(path: &Path, limit: u64, what: &str) -> Result<Self, Box<Diagnostic>> {
+        let fault = |message: String| Box::new(Report::error(message).about(path));
         let meta = std::fs::metadata(path).map_err(|e| fault(io_message(&e, what)))?;
         if meta.is_dir() {
             return Err(fault(format!("this is a directory; expected {what}")));
@@ -60,13 +60,13 @@ impl SourceFile {
     }
 
     /// Decodes UTF-8, with or without a byte-order mark.
-    pub fn from_bytes(path: &Path, mut bytes: Vec<u8>) -> Result<Self, Diagnostic> {
+    pub fn from_bytes(path: &Path, mut bytes: Vec<u8>) -> Result<Self, Box<Diagnostic>> {
         if bytes.starts_with(&[0xEF, 0xBB, 0xBF]) {
             bytes.drain(..3);
         }
         if bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]) {
             let report = Report::error("this is UTF-16 text; expected UTF-8").help("save the file as UTF-8");
-            return Err(report.about(path));
+            return Err(Box::new(report.about(path)));
         }
         match String::from_utf8(bytes) {
             Ok(text) => Ok(Self::new(path, text)),
@@ -75,9 +75,8 @@ impl SourceFile {
                 let byte = error.as_bytes().get(at).copied().unwrap_or_default();
                 let lossy = String::from_utf8_lossy(error.as_bytes()).into_owned();
                 let message = format!("invalid UTF-8: byte 0x{byte:02X} here; expected UTF-8 text");
-                Err(Report::error(message)
-                    .help("save the file as UTF-8")
-                    .at(&Self::new(path, lossy), at..at + 1))
+                let report = Report::error(message).help("save the file as UTF-8");
+                Err(Box::new(report.at(&Self::new(path, lossy), at..at + 1)))
             }
         }
     }
@@ -165,15 +164,18 @@ fn io_message(error: &std::io::Error, what: &str) -> String {
     match error.kind() {
         ErrorKind::NotFound => format!("no such file; expected {what}"),
         ErrorKind::PermissionDenied => format!("permission denied; expected {what} that can be read"),
-        ErrorKind::NotADirectory => format!("no such file: a part of the path is not a directory; expected {what}"),
+        ErrorKind::NotADirectory => {
+            format!("no such file: a part of the path is not a directory; expected {what}")
+        }
         ErrorKind::IsADirectory => format!("this is a directory; expected {what}"),
         ErrorKind::InvalidInput => format!("not a valid file name; expected {what}"),
         _ => format!("cannot be read: {}; expected {what}", visible(&error.to_string())),
     }
 }
 
-fn too_large(path: &Path, size: u64, limit: u64, what: &str) -> Diagnostic {
+fn too_large(path: &Path, size: u64, limit: u64, what: &str) -> Box<Diagnostic> {
     const MB: f64 = 1e6;
     let (size, limit) = (size as f64 / MB, limit as f64 / MB);
-    Report::error(format!("the file has {size:.1} MB; expected {what} of at most {limit:.0} MB")).about(path)
+    let message = format!("the file has {size:.1} MB; expected {what} of at most {limit:.0} MB");
+    Box::new(Report::error(message).about(path))
 }

@@ -1,21 +1,33 @@
 //! From internal units back to a file's, so that reading gives the same number to the last bit.
 
 use crate::config::Value;
-use params::Quantity;
+use crate::keys::units;
+use params::{Quantity, Suffix};
 
-/// A key for `name` and the numbers in its unit: the preferred unit if every number survives the way back,
-/// else the first that lets it, at worst the internal one.
+/// A key for `name` and the numbers in its unit: a unit in which every number survives the way back, the
+/// preferred one unless the numbers are unwieldy in it; at worst the internal one.
 pub(crate) fn spell(quantity: Quantity, name: &str, values: &[f64]) -> (String, Vec<f64>) {
-    for suffix in quantity.suffixes() {
-        let back = |x: f64| x * suffix.factor;
-        if let Some(numbers) = all(values, |v| before(v, v / suffix.factor, back)) {
-            return (format!("{name}_{}", suffix.name), numbers);
-        }
+    let units = units(quantity, name);
+    let exact = |s: &Suffix| {
+        let factor = s.factor;
+        let numbers =
+            values.iter().map(|&v| before(v, v / factor, |x| x * factor)).collect::<Option<Vec<_>>>()?;
+        Some((format!("{name}_{}", s.name), numbers))
+    };
+    let spelled: Vec<_> = units.iter().filter_map(exact).collect();
+    if let Some(best) = spelled.iter().find(|s| handy(&s.1)).or(spelled.first()) {
+        return best.clone();
     }
-    match quantity.suffixes().iter().find(|s| s.factor == 1.0) {
+    match units.iter().find(|s| s.factor == 1.0) {
         Some(suffix) => (format!("{name}_{}", suffix.name), values.to_vec()),
         None => (name.to_owned(), values.to_vec()),
     }
+}
+
+/// Whether the largest number is neither very large nor very small.
+fn handy(numbers: &[f64]) -> bool {
+    let largest = numbers.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    largest == 0.0 || (1e-3..1e5).contains(&largest)
 }
 
 /// The bulk modulus (MPa) of a D (1/MPa), if that survives the way back.
@@ -25,10 +37,6 @@ pub(crate) fn spell_bulk_modulus(d: &Value) -> Option<Value> {
         Some(d) => before(d, 2.0 / d, |k| 2.0 / k).map(Some),
     };
     Some(Value { value: modulus(d.value)?, min: modulus(d.max)?, max: modulus(d.min)?, fixed: d.fixed })
-}
-
-fn all(values: &[f64], f: impl Fn(f64) -> Option<f64>) -> Option<Vec<f64>> {
-    values.iter().map(|&v| f(v)).collect()
 }
 
 /// The number near `guess` with the fewest digits that `back` turns into exactly `target`.

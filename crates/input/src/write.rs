@@ -87,7 +87,12 @@ impl Writer {
         let mut next = |given: Option<f64>| given.and_then(|_| numbers.next());
         let shown: Vec<_> = values
             .iter()
-            .map(|v| value(Value { value: next(v.value), min: next(v.min), max: next(v.max), fixed: v.fixed }, held))
+            .map(|v| {
+                value(
+                    Value { value: next(v.value), min: next(v.min), max: next(v.max), fixed: v.fixed },
+                    held,
+                )
+            })
             .collect();
         match shown.as_slice() {
             [Some(one)] => self.line(key, one),
@@ -95,7 +100,8 @@ impl Writer {
                 let _ = writeln!(self.out, "# {key}: the parameter's own start and bounds");
             }
             many => {
-                let many: Vec<String> = many.iter().map(|v| v.clone().unwrap_or_else(|| "{}".to_owned())).collect();
+                let many: Vec<String> =
+                    many.iter().map(|v| v.clone().unwrap_or_else(|| "{}".to_owned())).collect();
                 self.line(key, &format!("[{}]", many.join(", ")));
             }
         }

@@ -2,7 +2,7 @@
 
 use super::{Cell, Faults};
 use crate::diagnostics::Report;
-use crate::keys::{Fallback, Key, Kind, Limits, Match, Speller, either};
+use crate::keys::{Fallback, Key, Kind, Limits, Match, Speller, list};
 use crate::text::short;
 use params::Quantity;
 
@@ -28,53 +28,72 @@ pub(crate) struct Found {
 }
 
 /// For each known column, where it stands. `None` if the header is unusable (reported).
-pub(crate) fn header(cells: &[Cell<'_>], known: &[Column], faults: &mut Faults<'_>) -> Option<Vec<Option<Found>>> {
+pub(crate) fn header(
+    cells: &[Cell<'_>],
+    known: &[Column],
+    faults: &mut Faults<'_>,
+) -> Option<Vec<Option<Found>>> {
     let keys: Vec<Key> = known.iter().map(key).collect();
+    if let Some((message, help)) = no_header(cells) {
+        let span = cells[0].span.start..cells[cells.len() - 1].span.end;
+        faults.add(Report::error(message).help(help), span);
+        return None;
+    }
+    let speller = Speller::new("the header", &keys);
     let mut found: Vec<Option<Found>> = known.iter().map(|_| None).collect();
     let mut good = true;
     for (index, cell) in cells.iter().enumerate() {
-        match (Speller { title: "the header", keys: &keys }).find(&cell.text) {
-            Match::Known(k, factor) => {
-                if let Some(first) = &found[k] {
-                    let message = format!("column `{}` is given twice: it is also field {}", cell.text, first.index + 1);
-                    faults.add(Report::error(message).key(cell.text.as_ref()), cell.span.clone());
-                    good = false;
+        let fault = match speller.find(&cell.text) {
+            Match::Known(k, factor) => match &found[k] {
+                None => {
+                    found[k] = Some(Found { index, written: cell.text.to_string(), factor });
                     continue;
                 }
-                found[k] = Some(Found { index, written: cell.text.to_string(), factor });
+                Some(first) => {
+                    let (column, field) = (&first.written, first.index + 1);
+                    Report::error(format!("`{}` is given twice: field {field} is `{column}`", cell.text))
+                }
+            },
+            Match::Unknown(unknown) => {
+                let message = unknown.message.replacen("key `", "column `", 1);
+                let report = Report::error(message);
+                if let Some(help) = unknown.help { report.help(help) } else { report }
             }
-            Match::Unknown(message, help) => {
-                let report = Report::error(message.replace("unknown key", "unknown column").replacen("key `", "column `", 1));
-                let report = report.key(short(&cell.text));
-                faults.add(if let Some(help) = help { report.help(help) } else { report }, cell.span.clone());
-                good = false;
-            }
-        }
-    }
-    let missing: Vec<String> =
-        keys.iter().zip(known).zip(&found).filter(|((_, c), f)| c.required && f.is_none()).map(|((k, _), _)| k.spelling()).collect();
-    if good && !missing.is_empty() {
-        let names: Vec<String> = missing.iter().map(|m| format!("`{m}`")).collect();
-        let columns = if missing.len() == 1 { "column" } else { "columns" };
-        let mut report = Report::error(format!("the header lacks {columns} {}", names.join(", ")));
-        report = report.help(advice(cells, &keys));
-        let span = cells.first().map_or(0..0, |c| c.span.start..c.span.end);
-        faults.add(report, span);
+        };
+        faults.add(fault.key(short(&cell.text)), cell.span.clone());
         good = false;
     }
-    good.then_some(found)
+    good.then_some(found).filter(|found| complete(cells, known, found, faults))
 }
 
-fn advice(cells: &[Cell<'_>], keys: &[Key]) -> String {
-    let first = cells.first().map_or("", |c| c.text.as_ref());
+/// Whether every required column is there, else a fault.
+fn complete(cells: &[Cell<'_>], known: &[Column], found: &[Option<Found>], faults: &mut Faults<'_>) -> bool {
+    let lacking = known.iter().zip(found).filter(|(c, f)| c.required && f.is_none());
+    let missing: Vec<String> = lacking.map(|(c, _)| format!("`{}`", c.quantity.key(c.name))).collect();
+    if missing.is_empty() {
+        return true;
+    }
+    let columns = if missing.len() == 1 { "column" } else { "columns" };
+    let message = format!("the header lacks {columns} {}", list(missing.into_iter(), "and"));
+    let span = cells.first().map_or(0, |c| c.span.start)..cells.last().map_or(0, |c| c.span.end);
+    faults.add(Report::error(message), span);
+    false
+}
+
+/// A first line that cannot be a header at all, in one fault instead of one per field.
+fn no_header(cells: &[Cell<'_>]) -> Option<(&'static str, &'static str)> {
+    let first = cells.first()?.text.as_ref();
     if cells.len() == 1 && first.contains([';', '\t']) {
-        return "separate fields with commas, and write decimals with a point".to_owned();
+        return Some((
+            "the fields are not separated by commas",
+            "separate fields with commas, write decimals with a point",
+        ));
     }
-    if cells.iter().all(|c| c.text.parse::<f64>().is_ok()) {
-        return "the first line that is not a comment must name the columns".to_owned();
-    }
-    let spellings: Vec<String> = keys.iter().map(Key::spelling).collect();
-    format!("known columns are {}", either(spellings.iter().map(String::as_str)).replace(" or ", " and "))
+    let numbers = cells.iter().all(|c| c.text.parse::<f64>().is_ok());
+    numbers.then_some((
+        "numbers where the header should be",
+        "the first line that is no comment names the columns",
+    ))
 }
 
 fn key(column: &Column) -> Key {

@@ -50,6 +50,11 @@ impl<'a> Faults<'a> {
         }
     }
 
+    /// Whether there were any so far.
+    pub fn any(&self) -> bool {
+        self.count > 0
+    }
+
     /// Says how many were not shown; whether there were any at all.
     pub fn finish(self) -> bool {
         if self.count > SHOWN {
@@ -63,10 +68,11 @@ impl<'a> Faults<'a> {
 }
 
 /// Reads the text of a CSV file; blank files are errors.
-pub(crate) fn load(path: &std::path::Path, what: &str) -> Result<SourceFile, Diagnostic> {
+pub(crate) fn load(path: &std::path::Path, what: &str) -> Result<SourceFile, Box<Diagnostic>> {
     let file = SourceFile::read(path, LIMIT, what)?;
     if file.is_blank() {
-        return Err(Report::error(format!("the file is empty; expected {what}")).about(path));
+        let report = Report::error(format!("the file is empty; expected {what}"));
+        return Err(Box::new(report.about(path)));
     }
     Ok(file)
 }
@@ -84,7 +90,11 @@ pub(crate) fn lines(file: &SourceFile) -> impl Iterator<Item = Range<usize>> + '
 }
 
 /// Splits a line at its commas; a fault is reported and gives `None`.
-pub(crate) fn cells<'a>(file: &'a SourceFile, line: Range<usize>, faults: &mut Faults<'_>) -> Option<Vec<Cell<'a>>> {
+pub(crate) fn cells<'a>(
+    file: &'a SourceFile,
+    line: Range<usize>,
+    faults: &mut Faults<'_>,
+) -> Option<Vec<Cell<'a>>> {
     if line.len() > LONGEST_LINE {
         let message = format!("this line has {} bytes; expected at most {LONGEST_LINE}", line.len());
         faults.add(Report::error(message), line.start..line.start + 1);
@@ -97,7 +107,10 @@ pub(crate) fn cells<'a>(file: &'a SourceFile, line: Range<usize>, faults: &mut F
         let (cell, end) = if rest[blanks..].starts_with('"') {
             let Some((content, len)) = quoted(&rest[blanks..]) else {
                 let start = line.start + at + blanks;
-                faults.add(Report::error("this quote is never closed, or text follows its end; expected `\"…\"`"), start..line.end);
+                faults.add(
+                    Report::error("this quote is never closed, or text follows its end; expected `\"…\"`"),
+                    start..line.end,
+                );
                 return None;
             };
             let begin = line.start + at + blanks;
@@ -132,7 +145,8 @@ fn quoted(text: &str) -> Option<(Cow<'_, str>, usize)> {
             return None;
         }
         let inner = &text[1..close];
-        let content = if inner.contains("\"\"") { inner.replace("\"\"", "\"").into() } else { Cow::Borrowed(inner) };
+        let content =
+            if inner.contains("\"\"") { inner.replace("\"\"", "\"").into() } else { Cow::Borrowed(inner) };
         return Some((content, close + 1));
     }
 }

@@ -13,7 +13,10 @@ pub(crate) const fn names(columns: usize) -> [&'static str; 3] {
 
 /// Reads rows of `N` lengths (mm): `y,left,right` or `y,thickness`. Faults go to the sink; `None` if there
 /// were any. Whether the rows make sense together is checked by the caller.
-pub(crate) fn read_rows<const N: usize>(path: &Path, sink: &Sink) -> Result<Option<Vec<[f64; N]>>, Diagnostic> {
+pub(crate) fn read_rows<const N: usize>(
+    path: &Path,
+    sink: &Sink,
+) -> Result<Option<Vec<[f64; N]>>, Box<Diagnostic>> {
     let what = match N {
         3 => "an outline, a CSV file with the header `y_mm,left_mm,right_mm`",
         _ => "a thickness profile, a CSV file with the header `y_mm,thickness_mm`",
@@ -25,7 +28,8 @@ pub(crate) fn read_rows<const N: usize>(path: &Path, sink: &Sink) -> Result<Opti
     let mut lines = lines(&file);
     let mut out = Vec::new();
     if let Some(first) = lines.next() {
-        let found = cells(&file, first, &mut faults).and_then(|c| Some((c.len(), header(&c, &known, &mut faults)?)));
+        let found =
+            cells(&file, first, &mut faults).and_then(|c| Some((c.len(), header(&c, &known, &mut faults)?)));
         if let Some((count, found)) = found {
             let found: Vec<_> = found.into_iter().flatten().collect();
             for line in lines {

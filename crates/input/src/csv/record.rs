@@ -26,7 +26,7 @@ const COLUMNS: [Column; 7] = [
 ];
 
 /// Reads a record. Faults go to the sink; `None` if there were any.
-pub(crate) fn read_record(path: &Path, sink: &Sink) -> Result<Option<Record>, Diagnostic> {
+pub(crate) fn read_record(path: &Path, sink: &Sink) -> Result<Option<Record>, Box<Diagnostic>> {
     let file = load(path, WHAT)?;
     let mut faults = Faults::new(&file, sink);
     let record = rows(&file, &mut faults);
@@ -53,8 +53,9 @@ fn rows(file: &SourceFile, faults: &mut Faults<'_>) -> Option<Record> {
             reader.row(&row, line, faults);
         }
     }
-    if reader.seen < FEWEST {
-        let message = format!("the record has {} rows; expected at least {FEWEST}", reader.seen);
+    if reader.seen < FEWEST && !faults.any() {
+        let rows = if reader.seen == 1 { "row" } else { "rows" };
+        let message = format!("the record has {} {rows}; expected at least {FEWEST}", reader.seen);
         faults.add(Report::error(message), first);
     }
     Some(reader.record)
@@ -138,11 +139,15 @@ fn plausible(file: &SourceFile, sink: &Sink, record: &Record) -> bool {
     let (low, high) = u.iter().fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
     let mut good = true;
     if high <= low {
-        let report = Report::error(format!("displacement is {} mm in every row; expected a test that moves", plain(low)));
+        let report = Report::error(format!(
+            "displacement is {} mm in every row; expected a test that moves",
+            plain(low)
+        ));
         sink.push(report.key("displacement").about(file.path.clone()));
         good = false;
     } else if u[0].abs() > 1e-3 * (high - low) {
-        let report = Report::warning(format!("displacement starts at {} mm; a record starts at 0", plain(u[0])));
+        let report =
+            Report::warning(format!("displacement starts at {} mm; a record starts at 0", plain(u[0])));
         sink.push(report.key("displacement").about(file.path.clone()));
     }
     let cameras = [

@@ -3,10 +3,11 @@
 
 mod spelling;
 mod table;
+mod table_specimen;
 
 pub(crate) use spelling::{Match, Speller, closest};
 
-use params::Quantity;
+use params::{Quantity, Suffix};
 use serde::Serialize;
 use std::borrow::Cow;
 use std::sync::LazyLock;
@@ -39,7 +40,8 @@ impl Limits {
     pub(crate) fn admit(&self, x: f64) -> Option<f64> {
         let slack = 1e-12 * self.lower.abs().max(self.upper.abs()).min(1.0);
         let low = if self.above { x > self.lower } else { x >= self.lower - slack };
-        let high = if self.below { x < self.upper } else { x <= self.upper + slack.max(1e-12 * self.upper.abs()) };
+        let high =
+            if self.below { x < self.upper } else { x <= self.upper + slack.max(1e-12 * self.upper.abs()) };
         (low && high).then(|| x.max(self.lower).min(self.upper))
     }
 
@@ -189,7 +191,7 @@ impl Key {
     /// Every accepted spelling with the factor to the internal unit, the preferred one first.
     pub fn spellings(&self) -> Vec<(String, f64)> {
         let with_units = |q: Quantity| {
-            q.suffixes().iter().map(|s| (format!("{}_{}", self.name, s.name), s.factor)).collect::<Vec<_>>()
+            units(q, &self.name).into_iter().map(|s| (format!("{}_{}", self.name, s.name), s.factor))
         };
         match self.kind {
             Kind::Rows { quantity, .. } => {
@@ -198,7 +200,7 @@ impl Key {
                 all
             }
             _ if self.quantity().suffixes().is_empty() => vec![(self.name.to_string(), 1.0)],
-            _ => with_units(self.quantity()),
+            _ => with_units(self.quantity()).collect(),
         }
     }
 
@@ -213,12 +215,27 @@ impl Key {
     }
 }
 
+/// The units a key may carry, the one its users think in first: strengths and bulk moduli are in MPa, other
+/// stresses in kPa.
+pub(crate) fn units(quantity: Quantity, name: &str) -> Vec<Suffix> {
+    let mut units = quantity.suffixes().to_vec();
+    if matches!(name, "sigma_c" | "bulk_modulus") {
+        units.sort_by_key(|s| s.name != "MPa");
+    }
+    units
+}
+
 /// `` `a`, `b` or `c` ``
 pub(crate) fn either<'a>(words: impl Iterator<Item = &'a str>) -> String {
-    let words: Vec<String> = words.map(|w| format!("`{w}`")).collect();
+    list(words.map(|w| format!("`{w}`")), "or")
+}
+
+/// a, b and c
+pub(crate) fn list(words: impl Iterator<Item = String>, last: &str) -> String {
+    let words: Vec<String> = words.collect();
     match words.split_last() {
-        Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
-        Some((last, _)) => last.clone(),
+        Some((end, rest)) if !rest.is_empty() => format!("{} {last} {end}", rest.join(", ")),
+        Some((end, _)) => end.clone(),
         None => "nothing".to_owned(),
     }
 }

@@ -1,6 +1,6 @@
 //! From what the user wrote to the key that was meant.
 
-use super::{Key, either};
+use super::{Key, list};
 use crate::text::short;
 use params::Quantity;
 
@@ -8,8 +8,18 @@ use params::Quantity;
 pub(crate) enum Match {
     /// The key with this index, in a unit with this factor.
     Known(usize, f64),
-    /// None: a message and advice.
-    Unknown(String, Option<String>),
+    /// None.
+    Unknown(Unknown),
+}
+
+/// Why a written key is none.
+pub(crate) struct Unknown {
+    /// What to say.
+    pub message: String,
+    /// What to advise.
+    pub help: Option<String>,
+    /// Name of the key that was probably meant.
+    pub meant: Option<String>,
 }
 
 /// Finds keys among the keys of one section.
@@ -18,68 +28,86 @@ pub(crate) struct Speller<'a> {
     pub title: &'a str,
     /// The section's keys.
     pub keys: &'a [Key],
+    /// Every spelling, with the index of its key and its unit's factor.
+    spellings: Vec<(String, usize, f64)>,
 }
 
-impl Speller<'_> {
-    /// The key that `written` is, or why it is none.
-    pub fn find(&self, written: &str) -> Match {
-        let spelled = |k: &Key| k.spellings().into_iter().find(|s| s.0 == written).map(|s| s.1);
-        if let Some((i, factor)) = self.keys.iter().enumerate().find_map(|(i, k)| Some((i, spelled(k)?))) {
-            return Match::Known(i, factor);
-        }
-        let (message, help) = self.explain(written);
-        Match::Unknown(message, help)
+impl<'a> Speller<'a> {
+    /// For the keys of a section with this title.
+    pub fn new(title: &'a str, keys: &'a [Key]) -> Self {
+        let of = |(i, k): (usize, &Key)| k.spellings().into_iter().map(move |(s, factor)| (s, i, factor));
+        Self { title, keys, spellings: keys.iter().enumerate().flat_map(of).collect() }
     }
 
-    fn explain(&self, written: &str) -> (String, Option<String>) {
+    /// The key that `written` is, or why it is none.
+    pub fn find(&self, written: &str) -> Match {
+        match self.known(written) {
+            Some((index, factor)) => Match::Known(index, factor),
+            None => Match::Unknown(self.explain(written)),
+        }
+    }
+
+    /// Index and factor of a key that is written as it should be.
+    pub fn known(&self, written: &str) -> Option<(usize, f64)> {
+        self.spellings.iter().find(|s| s.0 == written).map(|s| (s.1, s.2))
+    }
+
+    /// Why a key that is not known is none.
+    pub fn explain(&self, written: &str) -> Unknown {
         let (shown, title) = (short(written), self.title);
         if let Some(key) = self.keys.iter().find(|k| k.name == written) {
-            return (format!("key `{shown}` in {title} needs its unit: {}", key.spelling_list()), None);
+            let message = format!("key `{shown}` in {title} needs its unit: {}", key.spelling_list());
+            return Unknown { message, help: None, meant: Some(key.name.to_string()) };
         }
-        if let Some(message) = self.wrong_unit(written, true) {
-            return (message, None);
+        if let Some(found) = self.wrong_unit(written) {
+            return found;
         }
-        let all: Vec<String> = self.keys.iter().flat_map(|k| k.spellings()).map(|s| s.0).collect();
-        if let Some(meant) = closest(written, all.iter().map(String::as_str)) {
-            return (format!("unknown key `{shown}` in {title}; did you mean `{meant}`?"), None);
-        }
-        if let Some(message) = self.wrong_unit(written, false) {
-            return (message, None);
-        }
-        let bare = self.keys.iter().map(|k| k.name.as_ref());
-        if let Some(name) = closest(written, bare) {
-            let meant = self.keys.iter().find(|k| k.name == name).map_or_else(String::new, Key::spelling);
-            return (format!("unknown key `{shown}` in {title}; did you mean `{meant}`?"), None);
+        if let Some((key, meant)) = self.similar(written) {
+            let message = format!("unknown key `{shown}` in {title}; did you mean `{meant}`?");
+            return Unknown { message, help: None, meant: Some(key.name.to_string()) };
         }
         if let Some(place) = elsewhere(written) {
-            return (format!("unknown key `{shown}` in {title}; it belongs in {place}"), None);
+            let message = format!("unknown key `{shown}` in {title}; it belongs in {place}");
+            return Unknown { message, help: None, meant: None };
         }
         let preferred: Vec<String> = self.keys.iter().map(Key::spelling).collect();
         let help = match preferred.is_empty() {
             true => format!("{title} has no keys"),
-            false => format!("{title} takes {}", either(preferred.iter().map(String::as_str))),
+            false => format!("{title} takes {}", list(preferred.iter().map(|p| format!("`{p}`")), "and")),
         };
-        (format!("unknown key `{shown}` in {title}"), Some(help))
+        Unknown { message: format!("unknown key `{shown}` in {title}"), help: Some(help), meant: None }
     }
 
-    /// A key that exists, with a suffix that is not one of its units; `strict`: the suffix is a unit of
-    /// something else, so that there can be no doubt.
-    fn wrong_unit(&self, written: &str, strict: bool) -> Option<String> {
+    /// The key and the spelling of it that is most like what was written.
+    fn similar(&self, written: &str) -> Option<(&Key, String)> {
+        if let Some(meant) = closest(written, self.spellings.iter().map(|s| s.0.as_str())) {
+            return self.known(meant).map(|(i, _)| (&self.keys[i], meant.to_owned()));
+        }
+        let name = closest(written, self.keys.iter().map(|k| k.name.as_ref()))?;
+        self.keys.iter().find(|k| k.name == name).map(|k| (k, k.spelling()))
+    }
+
+    /// A key that exists, with a suffix that is not one of its units and no slip of the pen either.
+    fn wrong_unit(&self, written: &str) -> Option<Unknown> {
         let suffix = |k: &Key| Some(written.strip_prefix(k.name.as_ref())?.strip_prefix('_')?.to_owned());
-        let (key, unit) = self
-            .keys
-            .iter()
-            .filter_map(|k| Some((k, suffix(k)?)))
-            .filter(|(k, _)| !k.name.is_empty())
-            .max_by_key(|(k, _)| k.name.len())?;
-        if strict && !is_unit(&unit) {
+        let (key, unit) =
+            self.keys.iter().filter_map(|k| Some((k, suffix(k)?))).max_by_key(|(k, _)| k.name.len())?;
+        let (shown, title) = (short(written), self.title);
+        let meant = Some(key.name.to_string());
+        if key.spellings().len() == 1 {
+            let message = format!("key `{shown}` in {title} takes no unit: write `{}`", key.name);
+            return is_unit(&unit).then_some(Unknown { message, help: None, meant });
+        }
+        let slip = |s: &params::Suffix| {
+            s.name.eq_ignore_ascii_case(&unit)
+                || (unit.len() > 2 && strsim::damerau_levenshtein(s.name, &unit) == 1)
+        };
+        if !is_unit(&unit) && (key.quantity().suffixes().iter().any(slip) || unit.contains('_')) {
             return None;
         }
-        let (written, unit, title) = (short(written), short(&unit), self.title);
-        if key.quantity() == Quantity::Dimensionless {
-            return strict.then(|| format!("key `{written}` in {title} takes no unit: write `{}`", key.name));
-        }
-        Some(format!("unit `{unit}` of `{written}` in {title} is not accepted: write {}", key.spelling_list()))
+        let (unit, all) = (short(&unit), key.spelling_list());
+        let message = format!("unit `{unit}` of `{shown}` in {title} is not accepted: write {all}");
+        Some(Unknown { message, help: None, meant })
     }
 }
 

@@ -1,28 +1,35 @@
-//! The table itself.
+//! The table, and its second part: the model and the run.
 
-use super::{Fallback, Key, Kind, Limits};
+use super::{Fallback, Key, Kind, Limits, table_specimen};
 use params::Quantity::{self, *};
 use std::f64::consts::FRAC_PI_2;
 
-struct Builder {
+/// Collects the keys, section by section.
+pub(super) struct Builder {
     section: &'static str,
     keys: Vec<Key>,
 }
 
 impl Builder {
-    fn section(&mut self, section: &'static str) -> &mut Self {
+    pub(super) fn section(&mut self, section: &'static str) -> &mut Self {
         self.section = section;
         self
     }
 
-    fn key(&mut self, name: &'static str, kind: Kind, default: Fallback, description: &'static str) -> &mut Self {
+    pub(super) fn key(
+        &mut self,
+        name: &'static str,
+        kind: Kind,
+        default: Fallback,
+        description: &'static str,
+    ) -> &mut Self {
         let (section, name) = (self.section.into(), name.into());
         self.keys.push(Key { section, name, kind, default, description: description.into() });
         self
     }
 }
 
-fn number(quantity: Quantity, limits: Limits) -> Kind {
+pub(super) fn number(quantity: Quantity, limits: Limits) -> Kind {
     Kind::Number { quantity, limits }
 }
 
@@ -38,7 +45,7 @@ fn per_area(quantity: Quantity, limits: Limits) -> Kind {
     Kind::Parameter { quantity, limits, fixed: None, list: true }
 }
 
-fn choice(words: &[&str]) -> Kind {
+pub(super) fn choice(words: &[&str]) -> Kind {
     Kind::Choice { words: words.iter().map(|&w| w.to_owned()).collect() }
 }
 
@@ -46,74 +53,26 @@ const fn integer(min: i64, max: i64) -> Kind {
     Kind::Integer { min, max }
 }
 
-fn absent(words: &'static str) -> Fallback {
+pub(super) fn absent(words: &'static str) -> Fallback {
     Fallback::Absent(words.into())
 }
 
-fn word(word: &'static str) -> Fallback {
+pub(super) fn word(word: &'static str) -> Fallback {
     Fallback::Word(word.into())
 }
 
 /// Lengths beyond this are a unit mistake, not a specimen; mm.
-const LONGEST: f64 = 1e4;
+pub(super) const LONGEST: f64 = 1e4;
 /// Times beyond this are a unit mistake; s.
-const FOREVER: f64 = 1e9;
+pub(super) const FOREVER: f64 = 1e9;
 
 pub(super) fn build() -> Vec<Key> {
     let mut b = Builder { section: "", keys: Vec::new() };
-    specimen(&mut b);
-    tests(&mut b);
+    table_specimen::specimen(&mut b);
+    table_specimen::tests(&mut b);
     model(&mut b);
     run(&mut b);
     b.keys
-}
-
-fn specimen(b: &mut Builder) {
-    b.section("")
-        .key("name", Kind::Text, absent("the file's name"), "name of the specimen, shown in every answer")
-        .key("provenance", Kind::Text, absent("not stated"), "where the measurements come from, shown in every report")
-        .key("specimen", Kind::File, absent("[geometry] and [[tests]] stand in this file"), "the specimen file of a config")
-        .key("parent", Kind::Text, absent("none"), "the run this config was derived from")
-        .key("geometry", Kind::Table, absent("taken from `specimen`"), "dimensions of the strip")
-        .key("tests", Kind::Tables, absent("taken from `specimen`"), "the tests in the order in which they were done")
-        .key("mesh", Kind::Table, absent("defaults"), "the finite element mesh")
-        .key("bulk", Kind::Table, absent("defaults"), "the bulk material (Holzapfel–Gasser–Ogden)")
-        .key("interface", Kind::Table, absent("defaults"), "the cohesive tear path")
-        .key("effects", Kind::Table, absent("none"), "effects added to the base model, `[effects.NAME]`")
-        .key("identify", Kind::Table, absent("defaults"), "the inverse analysis")
-        .key("solver", Kind::Table, absent("defaults"), "the forward analysis")
-        .key("output", Kind::Table, absent("defaults"), "what is written");
-    b.section("geometry")
-        .key("length", number(Length, Limits::positive(LONGEST)), Fallback::Required, "length along the load y between the clamps")
-        .key("width", number(Length, Limits::positive(LONGEST)), Fallback::Required, "width along the tear x")
-        .key("thickness", number(Length, Limits::positive(LONGEST)), Fallback::Required, "thickness along z")
-        .key("cut", number(Length, Limits::within(0.0, LONGEST)), Fallback::Number(0.0), "initial cut from the edge x = 0; less than the width")
-        .key("path_y", number(Length, Limits::positive(LONGEST)), absent("length/2"), "height y of the tear path")
-        .key("outline", Kind::Rows { quantity: Length, columns: 3 }, absent("a rectangle"), "CSV `y_mm,left_mm,right_mm` of the left and right edge, or rows [y, left, right]")
-        .key("thickness_profile", Kind::Rows { quantity: Length, columns: 2 }, absent("uniform"), "CSV `y_mm,thickness_mm`, or rows [y, thickness]");
-}
-
-fn tests(b: &mut Builder) {
-    let sd = |quantity| number(quantity, Limits::positive(1e9));
-    b.section("tests")
-        .key("name", Kind::Text, absent("its kind; repeats get -2, -3"), "key of the test in every answer and file")
-        .key("kind", choice(&["uniaxial", "tearing"]), Fallback::Required, "intact strip, or strip with the cut and the tear path")
-        .key("data", Kind::File, absent("`protocol` is needed"), "the record, a CSV file")
-        .key("protocol", Kind::Legs, absent("`data` is needed"), "what the actuator does: { to_mm, rate_mm_per_s } or { hold_s } each")
-        .key("ends", choice(&["clamped", "sliding"]), word("clamped"), "end faces held, or free to move laterally")
-        .key("grips", choice(&["ends", "mouth"]), word("ends"), "pulled at both end faces, or open at the mouth of the cut")
-        .key("rest", number(Time, Limits::within(0.0, FOREVER)), absent("long: viscous stresses are gone"), "rest before this test")
-        .key("remount", Kind::Bool, Fallback::Bool(true), "mounted anew before this test: rig slip starts at 0")
-        .key("fresh_piece", Kind::Bool, Fallback::Bool(false), "a fresh piece of the same tissue: all history starts anew")
-        .key("force_sd", sd(Force), absent("estimated from the record"), "standard deviation of the force noise")
-        .key("grip_displacement_sd", sd(Length), absent("estimated from the record"), "standard deviation of the camera's grip displacement")
-        .key("tear_front_sd", sd(Length), absent("estimated from the record"), "standard deviation of the camera's tear front")
-        .key("width_change_sd", sd(Length), absent("estimated from the record"), "standard deviation of the camera's width change")
-        .key("tear_front_opening", number(Length, Limits::positive(LONGEST)), absent("δc"), "opening from which the camera counts a point as torn");
-    b.section("tests.protocol")
-        .key("to", number(Length, Limits::within(-LONGEST, LONGEST)), absent("`hold_s` is needed"), "displacement at the end of a ramp")
-        .key("rate", number(Speed, Limits::positive(1e6)), absent("`hold_s` is needed"), "speed of a ramp, positive in either direction")
-        .key("hold", number(Time, Limits::positive(FOREVER)), absent("`to_mm` and `rate_mm_per_s` are needed"), "duration of a hold");
 }
 
 fn model(b: &mut Builder) {
@@ -121,38 +80,138 @@ fn model(b: &mut Builder) {
     b.section("mesh")
         .key("divisions", Kind::Divisions, absent("graded by the sizes below"), "hex8 along x, y, z, uniform")
         .key("bulk_size", size(), Fallback::Number(0.4), "element size away from the tear path")
-        .key("path_size", size(), absent("0.1 mm, or bulk_size if that is less"), "element size at the tear path")
+        .key(
+            "path_size",
+            size(),
+            absent("0.1 mm, or bulk_size if that is less"),
+            "element size at the tear path",
+        )
         .key("layers", integer(1, 64), Fallback::Integer(2), "elements through the thickness")
-        .key("symmetry", choice(&["auto", "none"]), word("auto"), "mirror planes used where the file allows it, or never");
+        .key(
+            "symmetry",
+            choice(&["auto", "none"]),
+            word("auto"),
+            "mirror planes used where the file allows it, or never",
+        );
     b.section("bulk")
-        .key("mu", parameter(Stress, Limits::positive(1e6)), absent("the parameter's own start"), "shear modulus μ of the matrix")
-        .key("k1", parameter(Stress, Limits::within(0.0, 1e7)), absent("the parameter's own start"), "fibre stiffness k1")
-        .key("k2", parameter(Dimensionless, Limits::within(0.0, 1e5)), absent("the parameter's own start"), "fibre stiffening k2")
-        .key("gamma", parameter(Angle, Limits::within(0.0, FRAC_PI_2)), absent("the parameter's own start"), "fibre angle γ from the load axis")
-        .key("kappa", parameter(Dimensionless, Limits::within(0.0, 1.0 / 3.0)), absent("the parameter's own start"), "dispersion κ: 0 aligned, 1/3 isotropic")
-        .key("bulk_modulus", held(Stress, Limits::positive(1e7)), Fallback::Number(20.0), "initial bulk modulus 2/D; fixed unless freed")
-        .key("d", held(InverseStress, Limits::positive(1e6)), Fallback::Number(0.1), "the paper's D, instead of bulk_modulus; fixed unless freed")
+        .key(
+            "mu",
+            parameter(Stress, Limits::positive(1e6)),
+            absent("the parameter's own start"),
+            "shear modulus μ of the matrix",
+        )
+        .key(
+            "k1",
+            parameter(Stress, Limits::within(0.0, 1e7)),
+            absent("the parameter's own start"),
+            "fibre stiffness k1",
+        )
+        .key(
+            "k2",
+            parameter(Dimensionless, Limits::within(0.0, 1e5)),
+            absent("the parameter's own start"),
+            "fibre stiffening k2",
+        )
+        .key(
+            "gamma",
+            parameter(Angle, Limits::within(0.0, FRAC_PI_2)),
+            absent("the parameter's own start"),
+            "fibre angle γ from the load axis",
+        )
+        .key(
+            "kappa",
+            parameter(Dimensionless, Limits::within(0.0, 1.0 / 3.0)),
+            absent("the parameter's own start"),
+            "dispersion κ: 0 aligned, 1/3 isotropic",
+        )
+        .key(
+            "bulk_modulus",
+            held(Stress, Limits::positive(1e7)),
+            Fallback::Number(20.0),
+            "initial bulk modulus 2/D; fixed unless freed",
+        )
+        .key(
+            "d",
+            held(InverseStress, Limits::positive(1e6)),
+            Fallback::Number(0.1),
+            "the paper's D, instead of bulk_modulus; fixed unless freed",
+        )
         .key("tension_only", Kind::Bool, Fallback::Bool(true), "fibres carry tension only")
         .key("fibre_invariants", choice(&["isochoric", "full"]), word("isochoric"), "fibres see C̄ or C");
     b.section("interface")
-        .key("areas", integer(1, 1000), Fallback::Integer(1), "equal areas along the path, each with its Gc and σc")
-        .key("profile", choice(&["piecewise", "smooth"]), word("piecewise"), "constant in each area, or smooth through their centres")
-        .key("gc", per_area(FractureEnergy, Limits::positive(1e5)), absent("the parameter's own start"), "fracture energy Gc: one value, or a list with one per area")
-        .key("sigma_c", per_area(Stress, Limits::positive(1e6)), absent("the parameter's own start"), "strength σc: one value, or a list with one per area")
-        .key("lambda", held(Dimensionless, Limits::within(0.0, 1e3)), Fallback::Number(1.0), "weight λ of sliding; fixed unless freed")
-        .key("penalty", held(InterfaceStiffness, Limits::positive(1e9)), Fallback::Number(10.0), "stiffness K against interpenetration; fixed unless freed");
+        .key(
+            "areas",
+            integer(1, 1000),
+            Fallback::Integer(1),
+            "equal areas along the path, each with its Gc and σc",
+        )
+        .key(
+            "profile",
+            choice(&["piecewise", "smooth"]),
+            word("piecewise"),
+            "constant in each area, or smooth through their centres",
+        )
+        .key(
+            "gc",
+            per_area(FractureEnergy, Limits::positive(1e5)),
+            absent("the parameter's own start"),
+            "fracture energy Gc: one value, or a list with one per area",
+        )
+        .key(
+            "sigma_c",
+            per_area(Stress, Limits::positive(1e6)),
+            absent("the parameter's own start"),
+            "strength σc: one value, or a list with one per area",
+        )
+        .key(
+            "lambda",
+            held(Dimensionless, Limits::within(0.0, 1e3)),
+            Fallback::Number(1.0),
+            "weight λ of sliding; fixed unless freed",
+        )
+        .key(
+            "penalty",
+            held(InterfaceStiffness, Limits::positive(1e9)),
+            Fallback::Number(10.0),
+            "stiffness K against interpenetration; fixed unless freed",
+        );
 }
 
 fn run(b: &mut Builder) {
     let share = |upper| number(Dimensionless, Limits::positive(upper));
     let seed = || integer(0, i64::MAX);
     b.section("identify")
-        .key("mode", choice(&["staged", "joint"]), word("staged"), "bulk first, then the interface; or all tests at once")
-        .key("tolerance", share(0.1), Fallback::Number(1e-6), "stop when the objective changes by less, relative")
+        .key(
+            "mode",
+            choice(&["staged", "joint"]),
+            word("staged"),
+            "bulk first, then the interface; or all tests at once",
+        )
+        .key(
+            "tolerance",
+            share(0.1),
+            Fallback::Number(1e-6),
+            "stop when the objective changes by less, relative",
+        )
         .key("max_iterations", integer(1, 100_000), Fallback::Integer(30), "most iterations")
-        .key("multi_start", integer(0, 10_000), Fallback::Integer(0), "number of starts; 0 or 1: only the given one")
-        .key("priors", Kind::Priors, absent("off to identify, on to diagnose"), "literature's priors on or off, or priors of your own")
-        .key("hold_out", Kind::HoldOut, absent("chosen by the command"), "data kept out of the fit: test names, or { test, segment, from_s, to_s }")
+        .key(
+            "multi_start",
+            integer(0, 10_000),
+            Fallback::Integer(0),
+            "number of starts; 0 or 1: only the given one",
+        )
+        .key(
+            "priors",
+            Kind::Priors,
+            absent("off to identify, on to diagnose"),
+            "literature's priors on or off, or priors of your own",
+        )
+        .key(
+            "hold_out",
+            Kind::HoldOut,
+            absent("chosen by the command"),
+            "data kept out of the fit: test names, or { test, segment, from_s, to_s }",
+        )
         .key("coarse_first", Kind::Bool, Fallback::Bool(true), "fit on a coarser mesh first")
         .key("seed", seed(), Fallback::Integer(0), "seed of every random choice");
     b.section("identify.hold_out")
@@ -161,18 +220,68 @@ fn run(b: &mut Builder) {
         .key("from", number(Time, Limits::within(0.0, FOREVER)), absent("the start"), "from this time on")
         .key("to", number(Time, Limits::within(0.0, FOREVER)), absent("the end"), "up to this time");
     b.section("solver")
-        .key("step", number(Length, Limits::positive(1e3)), absent("chosen by the program"), "travel between answers; with control = \"path\": arc length")
-        .key("control", choice(&["actuator", "path"]), word("actuator"), "as a rig, with jumps; or along the path, through snap-back")
-        .key("tolerance", share(0.01), Fallback::Number(1e-9), "relative residual at which a step has converged")
-        .key("max_iterations", integer(1, 1000), Fallback::Integer(25), "Newton iterations before a step is cut")
+        .key(
+            "step",
+            number(Length, Limits::positive(1e3)),
+            absent("chosen by the program"),
+            "travel between answers; with control = \"path\": arc length",
+        )
+        .key(
+            "control",
+            choice(&["actuator", "path"]),
+            word("actuator"),
+            "as a rig, with jumps; or along the path, through snap-back",
+        )
+        .key(
+            "tolerance",
+            share(0.01),
+            Fallback::Number(1e-9),
+            "relative residual at which a step has converged",
+        )
+        .key(
+            "max_iterations",
+            integer(1, 1000),
+            Fallback::Integer(25),
+            "Newton iterations before a step is cut",
+        )
         .key("min_step_fraction", share(1.0), Fallback::Number(1e-6), "smallest step as a share of step_mm")
         .key("max_cuts", integer(0, 100), Fallback::Integer(20), "most cuts of one step in succession")
-        .key("integration", choice(&["gauss", "nodal"]), word("gauss"), "2×2 points of the interface: Gauss or nodal")
-        .key("viscous_regularisation", number(Time, Limits::within(0.0, FOREVER)), Fallback::Number(0.0), "viscous time of the interface, 0: off; its dissipation is reported")
-        .key("separated_damage", number(Dimensionless, Limits { lower: 0.0, upper: 1.0, above: true, below: true }), Fallback::Number(0.999), "damage d from which a point counts as separated");
+        .key(
+            "integration",
+            choice(&["gauss", "nodal"]),
+            word("gauss"),
+            "2×2 points of the interface: Gauss or nodal",
+        )
+        .key(
+            "viscous_regularisation",
+            number(Time, Limits::within(0.0, FOREVER)),
+            Fallback::Number(0.0),
+            "viscous time of the interface, 0: off; its dissipation is reported",
+        )
+        .key(
+            "separated_damage",
+            number(Dimensionless, Limits { lower: 0.0, upper: 1.0, above: true, below: true }),
+            Fallback::Number(0.999),
+            "damage d from which a point counts as separated",
+        );
     b.section("output")
-        .key("noise", number(Dimensionless, Limits::within(0.0, 1.0)), absent("no synthetic record"), "noise of a synthetic record, share of the peak force")
+        .key(
+            "noise",
+            number(Dimensionless, Limits::within(0.0, 1.0)),
+            absent("no synthetic record"),
+            "noise of a synthetic record, share of the peak force",
+        )
         .key("seed", seed(), Fallback::Integer(0), "seed of the noise")
-        .key("fields", Kind::Count { max: 10_000 }, Fallback::Integer(8), "typical points of each curve with fields written; false: none")
-        .key("figures", Kind::Words { words: ["svg", "pdf", "png"].map(str::to_owned).to_vec() }, word("svg"), "formats of the figures");
+        .key(
+            "fields",
+            Kind::Count { max: 10_000 },
+            Fallback::Integer(8),
+            "typical points of each curve with fields written; false: none",
+        )
+        .key(
+            "figures",
+            Kind::Words { words: ["svg", "pdf", "png"].map(str::to_owned).to_vec() },
+            word("svg"),
+            "formats of the figures",
+        );
 }

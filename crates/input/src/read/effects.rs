@@ -45,7 +45,10 @@ pub(crate) fn effects(top: &Section<'_>, registry: &dyn EffectRegistry, tests: &
             name: name.to_owned(),
             parameters: parameters.map(|s| (s.name.to_string(), section.parameter(&s.name))).collect(),
             specs: specs.clone(),
-            options: options.iter().filter_map(|o| Some((o.name.clone(), option(&section, o, tests)?))).collect(),
+            options: options
+                .iter()
+                .filter_map(|o| Some((o.name.clone(), option(&section, o, tests)?)))
+                .collect(),
             location,
         });
     }
@@ -63,11 +66,16 @@ fn unknown(registry: &dyn EffectRegistry, name: &str) -> Report {
 
 fn exclusions(section: &Section<'_>, registry: &dyn EffectRegistry, name: &str, before: &[EffectConfig]) {
     for other in before {
-        if registry.excludes(name).contains(&other.name) || registry.excludes(&other.name).iter().any(|e| e == name) {
+        if registry.excludes(name).contains(&other.name)
+            || registry.excludes(&other.name).iter().any(|e| e == name)
+        {
             let (other, line) = (&other.name, other.location.line);
-            let message =
-                format!("effect `{name}` cannot be used together with `{other}` of line {line}; take one of them out");
-            section.context.report(Report::error(message).key(format!("effects.{name}")), section.span.clone());
+            let message = format!(
+                "effect `{name}` cannot be used together with `{other}` of line {line}; take one of them out"
+            );
+            section
+                .context
+                .report(Report::error(message).key(format!("effects.{name}")), section.span.clone());
         }
     }
 }
@@ -134,7 +142,7 @@ pub(crate) fn test_exists(
         return;
     }
     let names = || tests.iter().map(|t| t.name.as_str());
-    let list = crate::keys::either(names());
+    let list = crate::keys::list(names().map(|n| format!("\"{}\"", short(n))), "or");
     let message = format!("`{key}` is \"{}\"; expected the name of a test: {list}", short(given));
     s.context.report(Report::error(message).key(key), span);
 }

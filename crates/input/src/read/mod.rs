@@ -14,7 +14,7 @@ pub(crate) use effects::option_key;
 pub(crate) use parameter::key_of;
 
 use crate::case::{Case, Geometry, Test};
-use crate::diagnostics::{Diagnostic, Diagnostics, Report, Severity, Sink};
+use crate::diagnostics::{Diagnostic, Diagnostics, Report, Sink};
 use crate::keys;
 use crate::registry::EffectRegistry;
 use crate::text::SourceFile;
@@ -131,7 +131,7 @@ fn pointed(top: &Section<'_>) -> Option<Option<(Measured, PathBuf)>> {
     let file = match SourceFile::read(&path, LIMIT, "a specimen file (TOML)") {
         Ok(file) => file,
         Err(diagnostic) => {
-            specimen::linked(top, "specimen", diagnostic);
+            specimen::linked(top, "specimen", *diagnostic);
             return Some(None);
         }
     };
@@ -140,7 +140,8 @@ fn pointed(top: &Section<'_>) -> Option<Option<(Measured, PathBuf)>> {
     let section = Section::open(inner, "the specimen file", 0..0, document.get_ref(), keys::of(""));
     for (key, entry) in section.all() {
         if !SPECIMEN_KEYS.contains(&key.name.as_ref()) {
-            let message = format!("`{}` does not belong in a specimen file that a config points to", entry.written);
+            let message =
+                format!("`{}` does not belong in a specimen file that a config points to", entry.written);
             let report = Report::error(message).key(entry.written).help("move it to the config");
             inner.report(report, entry.key_span.clone());
         }
@@ -171,7 +172,7 @@ fn load(path: &Path, what: &str, sink: &Sink) -> Option<SourceFile> {
         }
         Ok(file) => Some(file),
         Err(diagnostic) => {
-            sink.push(with_directory_help(path, diagnostic));
+            sink.push(with_directory_help(path, *diagnostic));
             None
         }
     }
@@ -213,20 +214,17 @@ fn parse<'a>(file: &'a SourceFile, sink: &Sink) -> Option<Spanned<DeTable<'a>>> 
             continue;
         }
         let text = crate::text::visible(error.message());
-        let message = if twice { "this key is given twice".to_owned() } else { format!("not valid TOML: {text}") };
+        let message =
+            if twice { "this key is given twice".to_owned() } else { format!("not valid TOML: {text}") };
         let mut report = Report::error(message);
-        if !twice && line == 1 && file.text.lines().next().is_some_and(|l| l.contains("time_") && l.contains(',')) {
+        if !twice
+            && line == 1
+            && file.text.lines().next().is_some_and(|l| l.contains("time_") && l.contains(','))
+        {
             report = report.help("this looks like a record; expected the specimen file that points to it");
         }
         sink.push(report.at(file, span));
     }
     fatal |= errors.len() > SYNTAX_ERRORS;
     document.filter(|_| !fatal)
-}
-
-impl Severity {
-    /// Whether this stops a run.
-    pub fn is_error(self) -> bool {
-        self == Self::Error
-    }
 }

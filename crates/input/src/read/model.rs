@@ -27,8 +27,10 @@ pub(crate) fn mesh(top: &Section<'_>, geometry: &Geometry) -> MeshConfig {
     if s.entry("divisions").is_some() {
         for name in ["bulk_size", "path_size", "layers"] {
             if s.entry(name).is_some() {
-                let message =
-                    format!("`{}` has no meaning beside `divisions`; expected one or the other", s.spelling(name));
+                let message = format!(
+                    "`{}` has no meaning beside `divisions`; expected one or the other",
+                    s.spelling(name)
+                );
                 s.fault(name, message);
             }
         }
@@ -36,12 +38,14 @@ pub(crate) fn mesh(top: &Section<'_>, geometry: &Geometry) -> MeshConfig {
     }
     if mesh.path_size > mesh.bulk_size {
         let (path, bulk) = (plain(mesh.path_size), plain(mesh.bulk_size));
-        s.fault("path_size", format!("`path_size` is {path} mm; expected no more than bulk_size, {bulk} mm"));
+        let (name, other) = (s.spelling("path_size"), s.spelling("bulk_size"));
+        s.fault("path_size", format!("`{name}` is {path} mm; expected no more than `{other}`, {bulk} mm"));
     }
     let count = (geometry.width / mesh.path_size) * (geometry.length / mesh.bulk_size) * mesh.layers as f64;
     if count > MOST_ELEMENTS {
         let name = if s.entry("path_size").is_some() { "path_size" } else { "bulk_size" };
-        let message = format!("this mesh would have about {count:.0e} elements; expected at most {MOST_ELEMENTS:.0e}");
+        let message =
+            format!("this mesh would have about {count:.0e} elements; expected at most {MOST_ELEMENTS:.0e}");
         s.fault(name, message);
     }
     mesh
@@ -72,7 +76,8 @@ pub(crate) fn bulk(top: &Section<'_>) -> BulkConfig {
     let s = subsection(top, "bulk");
     let d = match (s.entry("bulk_modulus"), s.entry("d")) {
         (Some(k), Some(d)) => {
-            let message = format!("`{}` and `{}` mean the same (D = 2/K0); expected one of them", k.written, d.written);
+            let message =
+                format!("`{}` and `{}` mean the same (D = 2/K0); expected one of them", k.written, d.written);
             s.fault("d", message);
             Value::default()
         }
@@ -100,9 +105,9 @@ fn inverse(k: Value) -> Value {
 /// `[interface]`
 pub(crate) fn interface(top: &Section<'_>) -> InterfaceConfig {
     let s = subsection(top, "interface");
-    let areas = s.integer("areas");
+    let areas = s.checked_integer("areas");
     InterfaceConfig {
-        areas,
+        areas: areas.unwrap_or(1),
         profile: [Profile::Piecewise, Profile::Smooth][s.choice("profile")],
         gc: s.parameter_list("gc", areas),
         sigma_c: s.parameter_list("sigma_c", areas),

@@ -3,6 +3,7 @@
 use super::scalar::{self, Item};
 use super::section::{Context, Entry, Section};
 use crate::config::Value;
+use crate::diagnostics::Report;
 use crate::keys::{Fallback, Key, Kind, Limits, Match, Speller};
 use crate::text::short;
 use params::Quantity;
@@ -23,27 +24,28 @@ impl<'a> Section<'a> {
         with_defaults(key, given.unwrap_or_default())
     }
 
-    /// A parameter with one value, or one per area.
-    pub fn parameter_list(&self, name: &str, areas: usize) -> Vec<Value> {
+    /// A parameter with one value, or one per area; `areas` is `None` if their number is itself at fault.
+    pub fn parameter_list(&self, name: &str, areas: Option<usize>) -> Vec<Value> {
         let key = self.key(name);
         let Some(entry) = self.entry(name) else { return vec![Value::default()] };
         let DeValue::Array(items) = entry.item.get_ref() else {
             return vec![self.one(key, entry, entry.item)];
         };
-        if items.len() != 1 && items.len() != areas {
-            let message = format!(
-                "`{}` lists {} values, but areas = {areas}; expected one value, or {areas}",
-                entry.written,
-                items.len()
-            );
-            self.context.report(
-                crate::diagnostics::Report::error(message)
-                    .key(entry.written)
-                    .help(format!("set `areas = {}` in [interface], or change the list", items.len().max(1))),
-                entry.item.span(),
-            );
+        if items.is_empty() || (items.len() != 1 && areas.is_some_and(|m| m != items.len())) {
+            self.wrong_count(entry, items.len(), areas.unwrap_or(1));
         }
         items.iter().map(|item| self.one(key, entry, item)).collect()
+    }
+
+    fn wrong_count(&self, entry: &Entry<'a>, found: usize, areas: usize) {
+        let expected = if areas == 1 { "one value".to_owned() } else { format!("one value, or {areas}") };
+        let message =
+            format!("`{}` lists {found} values, but areas = {areas}; expected {expected}", entry.written);
+        let mut report = Report::error(message).key(entry.written);
+        if found > 0 {
+            report = report.help(format!("set `areas = {found}` in [interface], or change the list"));
+        }
+        self.context.report(report, entry.item.span());
     }
 
     fn one(&self, key: &Key, entry: &Entry<'a>, item: &'a Item<'a>) -> Value {
@@ -88,14 +90,15 @@ fn value(context: Context<'_>, rule: &Rule<'_>, item: &Item<'_>) -> Value {
     };
     let title = format!("`{}`", short(rule.written));
     let (keys, mut out) = (keys(), Value::default());
+    let speller = Speller::new(&title, &keys);
     let bounds = Limits { above: false, below: false, ..rule.limits };
     for (key, item) in table {
         let written = key.get_ref().as_ref();
         let number = |limits: &Limits| {
             scalar::quantity(context, &format!("{}.{written}", rule.written), item, rule.factor, limits)
         };
-        match (Speller { title: &title, keys: &keys }).find(written) {
-            Match::Unknown(message, _) => scalar::clash(context, written, key.span(), message),
+        match speller.find(written) {
+            Match::Unknown(unknown) => scalar::clash(context, written, key.span(), unknown.message),
             Match::Known(0 | 1, _) if out.value.is_some() => {
                 let message = format!("{title} has both `start` and `value`: they mean the same");
                 scalar::clash(context, written, key.span(), message);
@@ -133,9 +136,10 @@ fn check_order(context: Context<'_>, rule: &Rule<'_>, item: &Item<'_>, v: &Value
     }
 }
 
-/// Limits of an effect's parameter, as its card says.
+/// Limits of an effect's parameter, as its card says; the neutral value is always allowed.
 pub(crate) fn limits_of(spec: &params::ParamSpec) -> Limits {
-    Limits::within(spec.lower, spec.upper)
+    let neutral = spec.neutral.unwrap_or(spec.lower);
+    Limits::within(spec.lower.min(neutral), spec.upper.max(neutral))
 }
 
 /// A key of an effect's parameter.
@@ -145,7 +149,9 @@ pub(crate) fn key_of(section: String, spec: &params::ParamSpec) -> Key {
         section: section.into(),
         name: spec.name.clone(),
         kind: Kind::Parameter { quantity, limits: limits_of(spec), fixed: None, list: false },
-        default: Fallback::Absent(format!("{} (start)", crate::keys::plain(spec.in_file_unit(spec.start))).into()),
+        default: Fallback::Absent(
+            format!("{} (start)", crate::keys::plain(spec.in_file_unit(spec.start))).into(),
+        ),
         description: spec.description.clone(),
     }
 }

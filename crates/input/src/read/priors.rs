@@ -21,7 +21,12 @@ pub(crate) fn priors(identify: &Section<'_>, registry: &dyn EffectRegistry) -> P
         DeValue::String(s) if s == "literature" => out.literature = Some(true),
         DeValue::String(s) if s == "off" => out.literature = Some(false),
         DeValue::Table(table) => own(identify, entry, table, registry, &mut out),
-        _ => scalar::wrong_type(identify.context, "priors", entry.item, "true, false, \"literature\" or a table"),
+        _ => scalar::wrong_type(
+            identify.context,
+            "priors",
+            entry.item,
+            "true, false, \"literature\" or a table",
+        ),
     }
     out
 }
@@ -53,7 +58,8 @@ fn own<'a>(
         let Some(e) = s.entry(name) else { continue };
         let keys = keys::of(name).into_iter().filter(|k| matches!(k.kind, Kind::Parameter { .. })).collect();
         if let Some(table) = as_table(&s, name, e.item) {
-            let part = Section::open(context, format!("[identify.priors.{name}]"), e.key_span.clone(), table, keys);
+            let part =
+                Section::open(context, format!("[identify.priors.{name}]"), e.key_span.clone(), table, keys);
             collect(&part, name, out);
         }
     }
@@ -61,7 +67,10 @@ fn own<'a>(
     for (key, item) in effects.into_iter().flatten() {
         let name = key.get_ref().as_ref();
         let Some(specs) = registry.parameters(name) else {
-            context.report(Report::error(format!("unknown effect `{}` in [identify.priors]", short(name))), key.span());
+            context.report(
+                Report::error(format!("unknown effect `{}` in [identify.priors]", short(name))),
+                key.span(),
+            );
             continue;
         };
         let keys = specs.iter().map(|s| key_of(format!("effects.{name}"), s)).collect();
@@ -77,7 +86,10 @@ fn collect(s: &Section<'_>, prefix: &str, out: &mut PriorsConfig) {
     for (key, entry) in s.all() {
         let Some(prior) = prior(s.context, entry.written, entry.item, entry.factor, key) else { continue };
         let (path, prior) = match key.name.as_ref() {
-            "bulk_modulus" => ("bulk.d".to_owned(), Prior { mean: 2.0 / prior.mean, quantity: Quantity::InverseStress, ..prior }),
+            "bulk_modulus" => (
+                "bulk.d".to_owned(),
+                Prior { mean: 2.0 / prior.mean, quantity: Quantity::InverseStress, ..prior },
+            ),
             name => (format!("{prefix}.{name}"), prior),
         };
         if out.given.insert(path.clone(), prior).is_some() {
@@ -103,7 +115,11 @@ fn prior(context: Context<'_>, written: &str, item: &Item<'_>, factor: f64, key:
     let in_file = Limits { lower: limits.lower / factor, upper: limits.upper / factor, ..limits };
     let keys = vec![number("mean", in_file), number("relative_sd", Limits::positive(100.0))];
     let s = Section::open(context, format!("prior `{}`", short(written)), item.span(), table, keys);
-    let prior = Prior { mean: s.number("mean") * factor, relative_sd: s.number("relative_sd"), quantity: key.quantity() };
+    let prior = Prior {
+        mean: s.number("mean") * factor,
+        relative_sd: s.number("relative_sd"),
+        quantity: key.quantity(),
+    };
     if prior.mean == 0.0 {
         s.fault("mean", "`mean` is 0; expected another number, since relative_sd is a share of it");
     }

@@ -45,7 +45,12 @@ fn hold_out(s: &Section<'_>, tests: &[Test]) -> Vec<HoldOut> {
                 let part = Section::open(s.context, title, item.span(), table, keys::of("identify.hold_out"));
                 out.extend(held_part(&part, tests));
             }
-            _ => scalar::wrong_type(s.context, "hold_out", item, "a test name, or { test, segment, from_s, to_s }"),
+            _ => scalar::wrong_type(
+                s.context,
+                "hold_out",
+                item,
+                "a test name, or { test, segment, from_s, to_s }",
+            ),
         }
     }
     out
@@ -54,7 +59,7 @@ fn hold_out(s: &Section<'_>, tests: &[Test]) -> Vec<HoldOut> {
 fn held_part(s: &Section<'_>, tests: &[Test]) -> Option<HoldOut> {
     let Some(name) = s.text("test") else {
         if s.entry("test").is_none() {
-            s.fault("test", format!("missing key `test` in {}: the name of the test", s.title));
+            s.missing("test");
         }
         return None;
     };
@@ -68,7 +73,15 @@ fn held_part(s: &Section<'_>, tests: &[Test]) -> Option<HoldOut> {
     if let (Some(from), Some(to)) = (part.from_s, part.to_s)
         && from >= to
     {
-        s.fault("to", format!("`to` is {} s; expected more than `from`, {} s", plain(to), plain(from)));
+        s.fault(
+            "to",
+            format!(
+                "{} ends at {} s; expected more than its beginning, {} s",
+                s.title,
+                plain(to),
+                plain(from)
+            ),
+        );
     }
     Some(part)
 }
@@ -90,8 +103,11 @@ pub(crate) fn solver(top: &Section<'_>, tests: &[Test]) -> SolverConfig {
     if let Some(step) = solver.step_mm {
         let most = tests.iter().map(travel).fold(0.0, f64::max) / step;
         if most > MOST_STEPS {
-            let message =
-                format!("`{}` = {} mm makes {most:.1e} steps; expected at most {MOST_STEPS:.0e}", s.spelling("step"), plain(step));
+            let message = format!(
+                "`{}` = {} mm makes {most:.1e} steps; expected at most {MOST_STEPS:.0e}",
+                s.spelling("step"),
+                plain(step)
+            );
             s.fault("step", message);
         }
     }

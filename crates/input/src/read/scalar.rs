@@ -2,7 +2,7 @@
 
 use super::section::Context;
 use crate::diagnostics::Report;
-use crate::keys::{Limits, either, plain};
+use crate::keys::{Limits, closest, list as list_words, plain};
 use crate::text::short;
 use std::ops::Range;
 use toml::Spanned;
@@ -15,8 +15,8 @@ pub(crate) type Item<'a> = Spanned<DeValue<'a>>;
 pub(crate) fn describe(item: &Item<'_>) -> String {
     match item.get_ref() {
         DeValue::String(s) => format!("the text \"{}\"", short(s)),
-        DeValue::Integer(i) => format!("the number {}", short(&i.to_string())),
-        DeValue::Float(x) => format!("the number {}", short(x.as_str())),
+        DeValue::Integer(i) => short(&i.to_string()),
+        DeValue::Float(x) => short(x.as_str()),
         DeValue::Boolean(b) => format!("{b}"),
         DeValue::Datetime(_) => "a date or time".to_owned(),
         DeValue::Array(a) => format!("a list of {}", a.len()),
@@ -86,7 +86,13 @@ fn out_of_range(context: Context<'_>, written: &str, item: &Item<'_>, expected: 
 }
 
 /// A whole number between two limits, else an error.
-pub(crate) fn integer(context: Context<'_>, written: &str, item: &Item<'_>, min: i64, max: i64) -> Option<i64> {
+pub(crate) fn integer(
+    context: Context<'_>,
+    written: &str,
+    item: &Item<'_>,
+    min: i64,
+    max: i64,
+) -> Option<i64> {
     let expected = match max {
         i64::MAX => format!("a whole number of at least {min}"),
         _ => format!("a whole number from {min} to {max}"),
@@ -121,17 +127,21 @@ pub(crate) fn text<'a>(context: Context<'_>, written: &str, item: &'a Item<'a>) 
 }
 
 /// The index of one of the words, else an error.
-pub(crate) fn choice(context: Context<'_>, written: &str, item: &Item<'_>, words: &[String]) -> Option<usize> {
+pub(crate) fn choice(
+    context: Context<'_>,
+    written: &str,
+    item: &Item<'_>,
+    words: &[String],
+) -> Option<usize> {
+    let all = list_words(words.iter().map(|w| format!("\"{w}\"")), "or");
     let DeValue::String(s) = item.get_ref() else {
-        let quoted: Vec<String> = words.iter().map(|w| format!("\"{w}\"")).collect();
-        wrong_type(context, written, item, &quoted.join(" or "));
+        wrong_type(context, written, item, &all);
         return None;
     };
     let found = words.iter().position(|w| w.as_str() == s.as_ref());
     if found.is_none() {
-        let all = words.iter().map(String::as_str);
-        let mut message = format!("`{}` is \"{}\"; expected {}", short(written), short(s), either(all.clone()));
-        if let Some(meant) = crate::keys::closest(s, all) {
+        let mut message = format!("`{}` is \"{}\"; expected {all}", short(written), short(s));
+        if let Some(meant) = closest(s, words.iter().map(String::as_str)) {
             message.push_str(&format!("; did you mean \"{meant}\"?"));
         }
         context.report(Report::error(message).key(short(written)), item.span());

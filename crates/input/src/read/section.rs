@@ -2,7 +2,7 @@
 
 use super::scalar::{self, Item};
 use crate::diagnostics::{Report, Sink};
-use crate::keys::{Fallback, Key, Kind, Match, Speller};
+use crate::keys::{Fallback, Key, Kind, Speller};
 use crate::text::{SourceFile, short};
 use std::ops::Range;
 use toml::de::DeTable;
@@ -50,6 +50,8 @@ pub(crate) struct Section<'a> {
     pub span: Range<usize>,
     keys: Vec<Key>,
     entries: Vec<Entry<'a>>,
+    /// For every unknown key, the name of the one that was probably meant.
+    misspelt: Vec<Option<String>>,
 }
 
 impl<'a> Section<'a> {
@@ -61,19 +63,22 @@ impl<'a> Section<'a> {
         table: &'a DeTable<'a>,
         keys: Vec<Key>,
     ) -> Self {
-        let mut section = Self { context, title: title.into(), span, keys, entries: Vec::new() };
+        let mut section =
+            Self { context, title: title.into(), span, keys, entries: Vec::new(), misspelt: Vec::new() };
+        let (title, keys) = (section.title.clone(), section.keys.clone());
+        let speller = Speller::new(&title, &keys);
         for (key, item) in table {
             let (written, span) = (key.get_ref().as_ref(), key.span());
-            let found = Speller { title: &section.title, keys: &section.keys }.find(written);
-            match found {
-                Match::Known(index, factor) => section.add(index, factor, written, span, item),
-                Match::Unknown(message, help) => {
-                    let mut report = Report::error(message).key(short(written));
-                    if let Some(help) = help {
-                        report = report.help(help);
-                    }
-                    context.report(report, span);
+            if let Some((index, factor)) = speller.known(written) {
+                section.add(index, factor, written, span, item);
+            } else if !context.sink.is_full(context.file) {
+                let unknown = speller.explain(written);
+                let mut report = Report::error(unknown.message).key(short(written));
+                if let Some(help) = unknown.help {
+                    report = report.help(help);
                 }
+                context.report(report, span);
+                section.misspelt.push(unknown.meant);
             }
         }
         section
@@ -81,7 +86,7 @@ impl<'a> Section<'a> {
 
     /// A table that is not there: every key at its default.
     pub fn absent(context: Context<'a>, title: impl Into<String>, keys: Vec<Key>) -> Self {
-        Self { context, title: title.into(), span: 0..0, keys, entries: Vec::new() }
+        Self { context, title: title.into(), span: 0..0, keys, entries: Vec::new(), misspelt: Vec::new() }
     }
 
     fn add(&mut self, key: usize, factor: f64, written: &'a str, key_span: Range<usize>, item: &'a Item<'a>) {
@@ -121,9 +126,18 @@ impl<'a> Section<'a> {
         self.entry(name).map_or_else(|| self.key(name).spelling(), |e| e.written.to_owned())
     }
 
-    fn missing(&self, name: &str) {
+    /// Whether there was an unknown key, so that what is missing may well be misspelt.
+    pub fn has_unknown(&self) -> bool {
+        !self.misspelt.is_empty()
+    }
+
+    /// Reports that a key is missing, unless one was there that probably meant it.
+    pub fn missing(&self, name: &str) {
         let key = self.key(name);
-        let message = format!("missing key {} in {}: {}", key.spelling_list(), self.title, key.description);
+        if self.misspelt.iter().flatten().any(|m| m == name) {
+            return;
+        }
+        let message = format!("missing key `{}` in {}: {}", key.spelling(), self.title, key.description);
         self.context.report(Report::error(message).key(key.spelling()), self.span.clone());
     }
 
@@ -148,15 +162,24 @@ impl<'a> Section<'a> {
 
     /// A whole number; after a fault, its default.
     pub fn integer(&self, name: &str) -> usize {
+        let default = if let Fallback::Integer(i) = self.key(name).default { i } else { 0 };
+        self.checked_integer(name).unwrap_or(usize::try_from(default).unwrap_or_default())
+    }
+
+    /// A whole number or its default; `None` after a fault.
+    pub fn checked_integer(&self, name: &str) -> Option<usize> {
         let key = self.key(name);
         let (min, max) = match key.kind {
             Kind::Integer { min, max } => (min, max),
             Kind::Count { max } => (0, max),
             _ => (0, i64::MAX),
         };
-        let default = if let Fallback::Integer(i) = key.default { i } else { 0 };
-        let given = self.entry(name).and_then(|e| scalar::integer(self.context, e.written, e.item, min, max));
-        usize::try_from(given.unwrap_or(default)).unwrap_or_default()
+        let given = match (self.entry(name), &key.default) {
+            (Some(e), _) => scalar::integer(self.context, e.written, e.item, min, max)?,
+            (None, Fallback::Integer(i)) => *i,
+            (None, _) => 0,
+        };
+        usize::try_from(given).ok()
     }
 
     /// `true` or `false`; after a fault, its default.

@@ -34,15 +34,19 @@ pub(crate) fn subsection<'a>(parent: &Section<'a>, name: &'static str) -> Sectio
 pub(crate) fn checked_name(section: &Section<'_>) -> Option<String> {
     let name = section.text("name")?;
     let bad = match name {
-        "" | "." | ".." => Some("it cannot be a file name"),
+        "" => Some("it is empty"),
+        "." | ".." => Some("it stands for a folder"),
         n if n.trim() != n => Some("it begins or ends with a blank"),
         n if n.chars().count() > 100 => Some("it has more than 100 characters"),
-        n if n.contains(['/', '\\', ':', '*', '?', '"', '<', '>', '|']) => Some("it has one of / \\ : * ? \" < > |"),
+        n if n.contains(['/', '\\', ':', '*', '?', '"', '<', '>', '|']) => {
+            Some("it has one of / \\ : * ? \" < > |")
+        }
         n if visible(n) != n => Some("it has characters that cannot be seen"),
         _ => None,
     };
     if let Some(why) = bad {
-        let message = format!("`name` is \"{}\"; expected a name for files and folders, but {why}", short(name));
+        let message =
+            format!("`name` is \"{}\"; expected a name for files and folders, but {why}", short(name));
         let span = section.entry("name").map_or(section.span.clone(), |e| e.item.span());
         section.context.report(Report::error(message).key("name"), span);
         return None;
@@ -74,8 +78,11 @@ pub(crate) fn geometry(top: &Section<'_>) -> Geometry {
     if let Some(y) = geometry.path_y
         && y >= geometry.length
     {
-        let message =
-            format!("`path_y` is {} mm; expected less than the length, {} mm", plain(y), plain(geometry.length));
+        let message = format!(
+            "`path_y` is {} mm; expected less than the length, {} mm",
+            plain(y),
+            plain(geometry.length)
+        );
         s.fault("path_y", message);
     }
     check_outline(&s, &geometry);
@@ -91,7 +98,7 @@ fn rows<const N: usize>(s: &Section<'_>, name: &str) -> Option<Vec<[f64; N]>> {
         DeValue::String(path) => match csv::read_rows::<N>(&resolve(context, path), context.sink) {
             Ok(rows) => rows,
             Err(diagnostic) => {
-                linked(s, name, diagnostic);
+                linked(s, name, *diagnostic);
                 None
             }
         },
@@ -106,7 +113,12 @@ fn rows<const N: usize>(s: &Section<'_>, name: &str) -> Option<Vec<[f64; N]>> {
     }
 }
 
-fn row<const N: usize>(context: Context<'_>, written: &str, item: &Item<'_>, factor: f64) -> Option<[f64; N]> {
+fn row<const N: usize>(
+    context: Context<'_>,
+    written: &str,
+    item: &Item<'_>,
+    factor: f64,
+) -> Option<[f64; N]> {
     let DeValue::Array(items) = item.get_ref() else {
         scalar::wrong_type(context, written, item, &format!("a row of {N} numbers"));
         return None;
@@ -146,12 +158,16 @@ fn check_heights(s: &Section<'_>, name: &str, length: f64, heights: &[f64]) -> b
     }
     if let Some(i) = heights.windows(2).position(|w| w[1] <= w[0]) {
         let (row, y, before) = (i + 2, plain(heights[i + 1]), plain(heights[i]));
-        return fault(format!("`{name}`: y is {y} mm in row {row}, after {before} mm; expected y to increase"));
+        return fault(format!(
+            "`{name}`: y is {y} mm in row {row}, after {before} mm; expected y to increase"
+        ));
     }
     let (first, last) = (heights[0], heights[heights.len() - 1]);
     if first.abs() > slack || (last - length).abs() > slack {
         let (first, last, length) = (plain(first), plain(last), plain(length));
-        return fault(format!("`{name}`: y runs from {first} to {last} mm; expected 0 to the length, {length} mm"));
+        return fault(format!(
+            "`{name}`: y runs from {first} to {last} mm; expected 0 to the length, {length} mm"
+        ));
     }
     true
 }
@@ -164,8 +180,9 @@ fn check_outline(s: &Section<'_>, g: &Geometry) {
     }
     if let Some(i) = outline.iter().position(|r| r[2] <= r[1]) {
         let [y, left, right] = outline[i].map(plain);
-        let message =
-            format!("`outline`: at y = {y} mm the right edge ({right} mm) is not right of the left edge ({left} mm)");
+        let message = format!(
+            "`outline`: at y = {y} mm the right edge ({right} mm) is not right of the left edge ({left} mm)"
+        );
         s.fault("outline", message);
     }
 }
@@ -178,6 +195,9 @@ fn check_thickness(s: &Section<'_>, g: &Geometry) {
     }
     if let Some(row) = profile.iter().find(|r| r[1] <= 0.0) {
         let (y, h) = (plain(row[0]), plain(row[1]));
-        s.fault("thickness_profile", format!("`thickness_profile`: at y = {y} mm the thickness is {h} mm; expected more than 0"));
+        s.fault(
+            "thickness_profile",
+            format!("`thickness_profile`: at y = {y} mm the thickness is {h} mm; expected more than 0"),
+        );
     }
 }

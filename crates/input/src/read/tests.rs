@@ -59,8 +59,10 @@ fn test(s: &Section<'_>, geometry: &Geometry) -> Test {
         tear_front_opening: s.optional_number("tear_front_opening"),
     };
     if s.entry("data").is_none() && s.entry("protocol").is_none() {
-        let report = Report::error(format!("{} has neither `data` nor `protocol`; expected one of them", s.title));
-        let help = "`data = \"record.csv\"`, or `protocol = [{ to_mm = 2.0, rate_mm_per_s = 0.05 }]` to simulate";
+        let report =
+            Report::error(format!("{} has neither `data` nor `protocol`; expected one of them", s.title));
+        let help =
+            "`data = \"record.csv\"`, or `protocol = [{ to_mm = 2.0, rate_mm_per_s = 0.05 }]` to simulate";
         s.context.report(report.help(help), s.span.clone());
     }
     if s.entry("data").is_some() && s.entry("protocol").is_some() {
@@ -78,7 +80,7 @@ fn record(s: &Section<'_>) -> Option<Record> {
     match csv::read_record(&resolve(s.context, given), s.context.sink) {
         Ok(record) => record,
         Err(diagnostic) => {
-            linked(s, "data", diagnostic);
+            linked(s, "data", *diagnostic);
             None
         }
     }
@@ -138,11 +140,16 @@ fn leg(s: &Section<'_>, at: &mut Option<f64>) -> Option<Leg> {
             if let (Some(from), Some(to)) = (from, to)
                 && from == to
             {
-                return fault(format!("{} ends where it begins, at {} mm; expected some travel, or a hold", s.title, plain(to)));
+                return fault(format!(
+                    "{} ends where it begins, at {} mm; expected some travel, or a hold",
+                    s.title,
+                    plain(to)
+                ));
             }
             Some(Leg::Ramp { to_mm: to?, rate_mm_per_s: rate? })
         }
         [false, false, true] => Some(Leg::Hold { hold_s: s.optional_number("hold")? }),
+        _ if s.has_unknown() => None,
         _ => fault(format!("{} must have `to_mm` and `rate_mm_per_s`, or `hold_s` alone", s.title)),
     }
 }

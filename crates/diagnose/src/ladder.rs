@@ -1,0 +1,111 @@
+//! The rungs of a ladder of models, and what makes one better than another.
+
+use crate::{Finding, Policy, Screen};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt::Display;
+
+/// A fitted model: the base with a set of effects.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rung {
+    /// Effects, in the order of the search.
+    pub effects: Vec<String>,
+    /// Free parameters.
+    pub parameters: usize,
+    /// Points that were fitted.
+    pub points: usize,
+    /// Root mean square misfit over all force points.
+    pub rms: f64,
+    /// Reduced χ² with the record's noise alone.
+    pub reduced_chi2: f64,
+    /// χ², numerical error included.
+    pub chi2_total: f64,
+    /// Degrees of freedom left for `chi2_total`.
+    pub freedom: f64,
+    /// Bayesian information criterion on `chi2_total`.
+    pub bic: f64,
+    /// Akaike's, corrected.
+    pub aicc: f64,
+    /// Reduced χ² of points that the fit behind it did not see.
+    pub held_out_chi2: Option<f64>,
+    /// Number of those points.
+    pub held_out_points: usize,
+    /// Root mean square misfit there.
+    pub held_out_rms: Option<f64>,
+    /// p-value of left-over structure ([`crate::atlas::structure_p`] of the whitened misfit); 1 if not computed.
+    pub structure_p: f64,
+}
+
+impl Rung {
+    /// Reduced χ², numerical error included.
+    pub fn reduced_chi2_total(&self) -> f64 {
+        self.chi2_total / self.freedom.max(1.0)
+    }
+
+    /// Whether the misfit is at the noise floor.
+    pub fn explained(&self, policy: &Policy) -> bool {
+        let spread = policy.explained_sigmas * (2.0 / self.freedom.max(1.0)).sqrt();
+        self.reduced_chi2_total() <= policy.explained_chi2.max(1.0 + spread)
+            && self.structure_p >= policy.structure_p
+    }
+
+    /// χ² above what noise alone would leave.
+    pub fn excess(&self) -> f64 {
+        (self.chi2_total - self.freedom).max(0.0)
+    }
+}
+
+/// Whether `after`, which has more effects than `before`, pays for them: BIC falls by `add_bic`, a fair share of
+/// the excess goes, and the held-out points are not predicted worse than their sampling spread allows.
+pub fn pays(before: &Rung, after: &Rung, policy: &Policy) -> bool {
+    let gain = before.chi2_total - after.chi2_total;
+    before.bic - after.bic >= policy.add_bic
+        && gain >= policy.min_share * before.excess()
+        && !held_out_worse(before, after, policy)
+}
+
+fn held_out_worse(before: &Rung, after: &Rung, policy: &Policy) -> bool {
+    let (Some(x), Some(y)) = (before.held_out_chi2, after.held_out_chi2) else { return false };
+    let points = after.held_out_points.max(1) as f64;
+    y > x * (1.0 - policy.held_out_fall) + 2.0 * (2.0 / points).sqrt()
+}
+
+/// Start values for effects, from the screen that proposed them.
+pub type Hints = BTreeMap<String, Finding>;
+
+/// A model that can be fitted with any set of effects, and screened. Plugged in by the caller; this crate knows
+/// no mechanics.
+pub trait Ladder {
+    /// Why a fit or screen failed.
+    type Error: Display;
+
+    /// Fits the base model with `effects`. `hints` holds the latest finding of each effect as start values.
+    ///
+    /// # Errors
+    /// When the model cannot be fitted; the search then goes on without this set.
+    fn fit(&mut self, effects: &[String], hints: &Hints) -> Result<Rung, Self::Error>;
+
+    /// Screens the catalogue at a fitted model; effects already in it are ignored.
+    ///
+    /// # Errors
+    /// When the screen cannot be computed; the search then ends there.
+    fn screen(&mut self, rung: &Rung) -> Result<Screen, Self::Error>;
+
+    /// Whether these effects may stand together.
+    fn compatible(&self, _effects: &[String]) -> bool {
+        true
+    }
+
+    /// Whether the user asked to stop; the search then ends with what it has.
+    fn interrupted(&self) -> bool {
+        false
+    }
+}
+
+/// Weights of models from an information criterion (Burnham & Anderson 2002): exp(−Δ/2), summing to 1.
+pub fn weights(criterion: &[f64]) -> Vec<f64> {
+    let best = criterion.iter().copied().fold(f64::INFINITY, f64::min);
+    let raw: Vec<f64> = criterion.iter().map(|c| (-0.5 * (c - best)).exp()).collect();
+    let sum: f64 = raw.iter().sum();
+    raw.iter().map(|w| if sum > 0.0 { w / sum } else { 0.0 }).collect()
+}

@@ -1,0 +1,148 @@
+//! Findings and verdicts in sentences.
+
+use crate::atlas::SegmentMisfit;
+use crate::dependence::Dependence;
+use crate::discover::{Discovery, Verdict};
+use crate::ladder::Rung;
+use crate::{Finding, Policy};
+
+/// What the screen says about one effect.
+pub fn finding(f: &Finding, policy: &Policy) -> String {
+    let name = &f.effect;
+    if f.refit_only && f.fall < policy.min_fall {
+        return format!("{name}: its derivative at neutral does not tell; a short refit decides.");
+    }
+    let alike = alike(&f.look_alikes);
+    if f.significant {
+        let estimate: Vec<String> = f
+            .amplitudes
+            .iter()
+            .chain(&f.shape)
+            .map(|(name, value)| format!("{name} ≈ {}", short(*value)))
+            .collect();
+        return format!(
+            "{name} would take away {:.0} % of χ² (p = {}), with {}.{alike}",
+            100.0 * f.expected_fall,
+            p_value(f.p_value),
+            estimate.join(", ")
+        );
+    }
+    if !f.visible {
+        return format!(
+            "{name} cannot be seen in these records: a plausible amount shows at {:.1} noise standard deviations beyond what the base parameters imitate.{alike}",
+            f.snr
+        );
+    }
+    format!("{name} is not called for (p = {}), though a plausible amount would show.", p_value(f.p_value))
+}
+
+fn alike(names: &[String]) -> String {
+    match names {
+        [] => String::new(),
+        names => format!(" These records cannot tell it from {}.", join(names, "or")),
+    }
+}
+
+/// How the search ended, and what it means.
+pub fn verdict(d: &Discovery, policy: &Policy) -> String {
+    let first = d.ladder.first().map_or(0.0, Rung::reduced_chi2_total);
+    let last = d.last().map_or(0.0, Rung::reduced_chi2_total);
+    let stopped = if d.interrupted { " The search was stopped before its end." } else { "" };
+    let text = match d.verdict {
+        Verdict::NothingMissing => {
+            let blind: Vec<String> =
+                d.screen.findings.iter().filter(|f| !f.visible).map(|f| f.effect.clone()).collect();
+            let blind = if blind.is_empty() {
+                String::new()
+            } else {
+                format!(" Whether there is {} these records cannot say.", join(&blind, "or"))
+            };
+            format!("Nothing is missing: the misfit is noise (reduced χ² {last:.2}).{blind}")
+        }
+        Verdict::Explained => format!(
+            "Missing was {}: with it reduced χ² falls from {first:.2} to {last:.2}, and no rival does as well.",
+            join(&d.found, "and")
+        ),
+        Verdict::Ambiguous => {
+            let groups: Vec<String> = d.groups.iter().map(|g| join(g, "or")).collect();
+            format!(
+                "The record is explained (reduced χ² from {first:.2} to {last:.2}), but not uniquely: missing was {}, which these records cannot tell apart.",
+                groups.join(", and ")
+            )
+        }
+        Verdict::Unexplained if d.found.is_empty() => format!(
+            "Something is missing that the catalogue does not hold: reduced χ² {last:.2}, and no effect pays for itself."
+        ),
+        Verdict::Unexplained => format!(
+            "{} helps (reduced χ² from {first:.2} to {last:.2}) but does not explain the record: something else is missing that the catalogue does not hold.",
+            join(&d.found, "and")
+        ),
+    };
+    let close = match d.last() {
+        Some(r) if d.verdict == Verdict::Unexplained && r.structure_p < policy.structure_p => {
+            " What is left is smooth, not noise."
+        }
+        _ => "",
+    };
+    format!("{text}{close}{stopped}")
+}
+
+/// Where the misfit is: the segments that hold most of it.
+pub fn place(rows: &[SegmentMisfit]) -> String {
+    let mut order: Vec<&SegmentMisfit> = rows.iter().collect();
+    order.sort_by(|a, b| b.share.total_cmp(&a.share).then(a.segment.cmp(&b.segment)));
+    let parts: Vec<String> = order
+        .iter()
+        .take(3)
+        .filter(|r| r.share >= 0.1)
+        .map(|r| {
+            let sense = match r.sign {
+                '+' => ", measured above the model",
+                '-' => ", measured below the model",
+                _ => "",
+            };
+            format!("{} ({:.0} %{sense})", r.segment, 100.0 * r.share)
+        })
+        .collect();
+    if parts.is_empty() {
+        "The misfit is spread over all segments.".into()
+    } else {
+        format!("The misfit sits in {}.", join(&parts, "and"))
+    }
+}
+
+/// What the misfit depends on.
+pub fn depends(rows: &[Dependence]) -> String {
+    let parts: Vec<String> = rows
+        .iter()
+        .filter(|d| d.p_value < 1e-3 && d.share_beyond >= 0.02)
+        .take(3)
+        .map(|d| format!("{} ({:.0} % beyond the others)", d.variable, 100.0 * d.share_beyond))
+        .collect();
+    if parts.is_empty() {
+        "The misfit depends on no variable by itself.".into()
+    } else {
+        format!("The misfit depends on {}.", join(&parts, "and"))
+    }
+}
+
+/// `a`, `a or b`, `a, b or c`.
+pub fn join<S: AsRef<str>>(names: &[S], last: &str) -> String {
+    match names {
+        [] => String::new(),
+        [one] => one.as_ref().to_owned(),
+        [head @ .., end] => {
+            let head: Vec<&str> = head.iter().map(AsRef::as_ref).collect();
+            format!("{} {last} {}", head.join(", "), end.as_ref())
+        }
+    }
+}
+
+/// Three significant digits.
+fn short(x: f64) -> String {
+    if x != 0.0 && (x.abs() < 1e-3 || x.abs() >= 1e4) { format!("{x:.2e}") } else { format!("{x:.3}") }
+}
+
+fn p_value(p: f64) -> String {
+    if p < 1e-3 { format!("{p:.0e}") } else { format!("{p:.3}") }
+}

@@ -1,0 +1,121 @@
+//! Camera channels computed from a state: tear front and width change.
+
+use constitutive::Scalar;
+use fem::{Observer, State};
+use mesh::Mesh;
+
+/// Index of the outputs in [`fem::StepRecord::extra`].
+pub mod output {
+    /// Largest reference x with an opening of at least the threshold, mm.
+    pub const TEAR_FRONT: usize = 0;
+    /// Width change at mid-height, mm.
+    pub const WIDTH_CHANGE: usize = 1;
+    /// ∂(tear front)/∂(threshold), a value without derivative.
+    pub const FRONT_BY_THRESHOLD: usize = 2;
+    /// Area (from 0) whose threshold places the front.
+    pub const FRONT_AREA: usize = 3;
+}
+
+/// A line of path nodes through the thickness at one x.
+#[derive(Clone, Debug)]
+struct PathLine {
+    x: f64,
+    /// (lower, upper) node; the lower is `None` in a mirrored model.
+    pairs: Vec<(Option<usize>, usize)>,
+    area: usize,
+}
+
+/// The camera of one test.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    lines: Vec<PathLine>,
+    left: Vec<usize>,
+    right: Vec<usize>,
+    /// Opening threshold of each area, mm.
+    pub thresholds: Vec<f64>,
+}
+
+impl Camera {
+    /// The camera on a mesh with `areas` areas.
+    pub fn new(mesh: &Mesh, areas: usize) -> Self {
+        let set = |n: &str| mesh.set(n).map(<[usize]>::to_vec).unwrap_or_default();
+        let mut pairs: Vec<(f64, Option<usize>, usize)> = if mesh.interfaces.is_empty() {
+            Vec::new()
+        } else if mesh.half_height {
+            set("mid_height").into_iter().map(|n| (mesh.nodes[n][0], None, n)).collect()
+        } else {
+            set("path_lower")
+                .into_iter()
+                .zip(set("path_upper"))
+                .map(|(l, u)| (mesh.nodes[l][0], Some(l), u))
+                .collect()
+        };
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut lines: Vec<PathLine> = Vec::new();
+        let left_edge = pairs.first().map_or(0.0, |p| p.0);
+        for (x, l, u) in pairs {
+            let x = x - left_edge;
+            match lines.last_mut() {
+                Some(line) if (line.x - x).abs() < 1e-9 => line.pairs.push((l, u)),
+                _ => lines.push(PathLine {
+                    x,
+                    pairs: vec![(l, u)],
+                    area: mesh::area_of(x.max(mesh.cut), mesh.cut, mesh.path_width, areas.max(1)),
+                }),
+            }
+        }
+        Self { lines, left: set("left_mid"), right: set("right_mid"), thresholds: vec![0.0; areas.max(1)] }
+    }
+
+    fn excess<S: Scalar>(&self, line: &PathLine, u: &dyn Fn(usize) -> S) -> S {
+        let mut sum = S::zero();
+        for &(lower, upper) in &line.pairs {
+            sum += match lower {
+                Some(l) => u(3 * upper + 1) - u(3 * l + 1),
+                None => u(3 * upper + 1) * 2.0,
+            };
+        }
+        sum * (1.0 / line.pairs.len() as f64) - self.thresholds[line.area]
+    }
+
+    /// Front position, its derivative by the threshold, the area.
+    fn front<S: Scalar>(&self, u: &dyn Fn(usize) -> S) -> (S, f64, usize) {
+        let Some(last) = self.lines.iter().rposition(|l| self.excess(l, u).value() >= 0.0) else {
+            return (S::zero(), 0.0, 0);
+        };
+        let here = &self.lines[last];
+        let Some(next) = self.lines.get(last + 1) else { return (S::from(here.x), 0.0, here.area) };
+        let (a, b) = (self.excess(here, u), self.excess(next, u));
+        let x = S::from(here.x) + a / (a - b) * (next.x - here.x);
+        (x, -(next.x - here.x) / (a - b).value(), here.area)
+    }
+
+    fn width<S: Scalar>(&self, u: &dyn Fn(usize) -> S) -> S {
+        let mean = |nodes: &[usize]| {
+            let mut s = S::zero();
+            for &n in nodes {
+                s += u(3 * n);
+            }
+            s * (1.0 / nodes.len().max(1) as f64)
+        };
+        mean(&self.right) - mean(&self.left)
+    }
+}
+
+impl Observer for Camera {
+    fn observe(&self, state: &State) -> Vec<f64> {
+        let u = |dof: usize| state.u[dof];
+        let (front, by_threshold, area) = self.front(&u);
+        vec![front, self.width(&u), by_threshold, area as f64]
+    }
+
+    fn derive(&self, state: &State, du: &[f64], count: usize) -> Vec<Vec<f64>> {
+        let mut out = vec![Vec::with_capacity(count), Vec::with_capacity(count)];
+        for c in 0..count {
+            let u = |dof: usize| constitutive::Jet::<1> { re: state.u[dof], eps: [du[dof * count + c]] };
+            out[output::TEAR_FRONT].push(self.front(&u).0.eps[0]);
+            out[output::WIDTH_CHANGE].push(self.width(&u).eps[0]);
+        }
+        out
+    }
+}
