@@ -152,5 +152,9 @@ fn basis(x: &[f64]) -> DMatrix<f64> {
     let mut sorted = scaled.clone();
     sorted.sort_by(f64::total_cmp);
     let knot = |k: usize| sorted[k * (sorted.len() - 1) / (KNOTS + 1)];
-    DMatrix::from_fn(x.len(), KNOTS + 1, |i, k| if k == 0 { scaled[i] } else { (scaled[i] - knot(k)).max(0.0) })
+    DMatrix::from_fn(
+        x.len(),
+        KNOTS + 1,
+        |i, k| if k == 0 { scaled[i] } else { (scaled[i] - knot(k)).max(0.0) },
+    )
 }

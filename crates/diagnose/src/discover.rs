@@ -2,53 +2,9 @@
 //! where one effect leaves structure, and say honestly how it ended.
 
 use crate::ladder::{Hints, Ladder, Rung, pays};
+use crate::verdict::{Discovery, Verdict};
 use crate::{Policy, Screen};
-use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// How the search ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Verdict {
-    /// The base model explains the record and no effect pays.
-    NothingMissing,
-    /// The effects found explain the record, and each can be told from every rival.
-    Explained,
-    /// Explained, but the record cannot tell some effect from its look-alikes.
-    Ambiguous,
-    /// Something is missing that the catalogue does not hold (or could not be fitted).
-    Unexplained,
-}
-
-/// The answer of a search.
-#[derive(Clone, Debug, Serialize)]
-pub struct Discovery {
-    /// Accepted models, base first.
-    pub ladder: Vec<Rung>,
-    /// Every model that was fitted, in order.
-    pub tried: Vec<Rung>,
-    /// Sets that could not be fitted, with the reason.
-    pub failed: Vec<(Vec<String>, String)>,
-    /// Screen of the base model.
-    pub screen: Screen,
-    /// Screen of the last model.
-    pub last_screen: Screen,
-    /// Effects added in the end.
-    pub found: Vec<String>,
-    /// For each of `found`: itself and every effect that these records cannot tell from it.
-    pub groups: Vec<Vec<String>>,
-    /// The answer.
-    pub verdict: Verdict,
-    /// Whether the user stopped the search.
-    pub interrupted: bool,
-}
-
-impl Discovery {
-    /// The last accepted model.
-    pub fn last(&self) -> Option<&Rung> {
-        self.ladder.last()
-    }
-}
 
 struct Search<'a, L: Ladder> {
     ladder: &'a mut L,
@@ -88,7 +44,17 @@ pub fn discover<L: Ladder>(
         (true, false) => Verdict::Explained,
     };
     let (tried, failed) = (search.tried, search.failed);
-    Ok(Discovery { ladder: rungs, tried, failed, screen: first, last_screen, found, groups, verdict, interrupted })
+    Ok(Discovery {
+        ladder: rungs,
+        tried,
+        failed,
+        screen: first,
+        last_screen,
+        found,
+        groups,
+        verdict,
+        interrupted,
+    })
 }
 
 impl<L: Ladder> Search<'_, L> {
@@ -104,7 +70,11 @@ impl<L: Ladder> Search<'_, L> {
             if !visited.insert(key(&next.effects)) {
                 break;
             }
-            (self.progress)(&format!("{} is kept: χ² {:.2}.", listed(&next.effects), next.reduced_chi2_total()));
+            (self.progress)(&format!(
+                "{} is kept: χ² {:.2}.",
+                listed(&next.effects),
+                next.reduced_chi2_total()
+            ));
             current = next;
             rungs.push(current.clone());
             match self.ladder.screen(&current) {
@@ -115,7 +85,21 @@ impl<L: Ladder> Search<'_, L> {
                 }
             }
         }
+        self.abstain(&mut rungs);
         (rungs, screen)
+    }
+
+    /// Where the record stays unexplained, only effects that took a large share of the excess keep their name:
+    /// the rest may just bend towards what the catalogue does not hold.
+    fn abstain(&mut self, rungs: &mut Vec<Rung>) {
+        while let [.., before, last] = rungs.as_slice() {
+            let gain = before.chi2_total - last.chi2_total;
+            if last.explained(self.policy) || gain >= self.policy.min_share_unexplained * before.excess() {
+                break;
+            }
+            (self.progress)(&format!("{} explains too little to be named.", listed(&last.effects)));
+            rungs.pop();
+        }
     }
 
     fn remember(&mut self, screen: &Screen) {

@@ -1,6 +1,7 @@
 //! The rungs of a ladder of models, and what makes one better than another.
 
 use crate::{Finding, Policy, Screen};
+use inverse::Quality;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -37,6 +38,32 @@ pub struct Rung {
 }
 
 impl Rung {
+    /// A rung from a fit's quality. `rms` is over all force points; `structure_p` as
+    /// [`crate::atlas::structure_p`] gives it. Nothing is held out yet.
+    pub fn new(effects: &[String], quality: &Quality, rms: f64, structure_p: f64) -> Self {
+        Self {
+            effects: effects.to_vec(),
+            parameters: quality.parameters,
+            points: quality.points,
+            rms,
+            reduced_chi2: quality.reduced_chi2,
+            chi2_total: quality.chi2_total,
+            freedom: quality.freedom,
+            bic: quality.bic,
+            aicc: quality.aicc,
+            held_out_chi2: None,
+            held_out_points: 0,
+            held_out_rms: None,
+            structure_p,
+        }
+    }
+
+    /// The same with what the fit behind it did not see: reduced χ², number of points and rms there.
+    pub fn held_out(mut self, chi2: f64, points: usize, rms: f64) -> Self {
+        (self.held_out_chi2, self.held_out_points, self.held_out_rms) = (Some(chi2), points, Some(rms));
+        self
+    }
+
     /// Reduced χ², numerical error included.
     pub fn reduced_chi2_total(&self) -> f64 {
         self.chi2_total / self.freedom.max(1.0)

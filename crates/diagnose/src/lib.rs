@@ -10,6 +10,7 @@ mod protocol;
 mod score;
 mod statistic;
 mod sup;
+mod verdict;
 
 pub mod atlas;
 pub mod dependence;
@@ -20,10 +21,11 @@ pub mod tails;
 pub mod words;
 
 pub use candidate::{Amplitude, Candidate, Shape, Side};
-pub use discover::{Discovery, Verdict, discover};
+pub use discover::discover;
 pub use ladder::{Hints, Ladder, Rung, pays, weights};
 pub use noise::{NoiseError, NoiseEstimate};
 pub use pairs::{Pair, separation};
 pub use policy::Policy;
 pub use score::{Finding, Screen, ScreenError, score, screen};
 pub use segments::{RecordKind, Segment, SegmentKind};
+pub use verdict::{Discovery, Verdict};

@@ -1,6 +1,7 @@
 //! The noise level of a record from the record itself, never from a model's misfit.
 //!
-//! The record is cut at the given breaks into windows of about 20 points; in each a polynomial takes the
+//! The record is cut at the given breaks into windows of about 20 points (40 where the noise turns out to be
+//! autocorrelated); in each a polynomial takes the
 //! smooth part away exactly, and only what no such curve can explain (an orthonormal set of contrasts)
 //! counts. Windows with a step or a kink stand out by their variance and are left out. sd and AR(1) follow
 //! by restricted maximum likelihood over the remaining windows together (Patterson & Thompson 1971).
@@ -12,6 +13,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 const WINDOW: usize = 20;
+const LONG_WINDOW: usize = 40;
 const SHORTEST: usize = 8;
 const LEAST_FREEDOM: usize = 20;
 
@@ -20,10 +22,19 @@ const LEAST_FREEDOM: usize = 20;
 pub struct NoiseEstimate {
     /// Standard deviation of one point, unit of the record.
     pub sd: f64,
-    /// Correlation of neighbouring points: the estimate where it differs from 0 with 95 % confidence, else 0.
+    /// Correlation of neighbouring points: the estimate where twice its gain in log likelihood over white noise
+    /// exceeds 2 (3.84 for a negative one), else 0.
     pub ar1: f64,
     /// The raw estimate of that correlation.
     pub ar1_raw: f64,
+    /// Standard error of the raw estimate; 1 where it could not be made.
+    pub ar1_error: f64,
+    /// Correlation to whiten with when a false alarm is worse than a miss: 1.5 standard errors above `ar1`
+    /// where the noise is autocorrelated, else `ar1_raw` where positive. Underestimated correlation is what makes smooth misfits look
+    /// significant.
+    pub cautious_ar1: f64,
+    /// Most likely sd at `cautious_ar1`.
+    pub cautious_sd: f64,
     /// Relative standard error of `sd`.
     pub relative_error: f64,
     /// Points in the windows that counted.
@@ -42,7 +53,9 @@ pub enum NoiseError {
         found: usize,
     },
     /// The record holds no noise that its digits could show.
-    #[error("the record is smooth to its last digit (sd below {floor:.1e}), so its noise cannot be estimated; give force_sd_N")]
+    #[error(
+        "the record is smooth to its last digit (sd below {floor:.1e}), so its noise cannot be estimated; give force_sd_N"
+    )]
     Noiseless {
         /// What counts as zero.
         floor: f64,
@@ -83,7 +96,7 @@ pub fn estimate(t: &[f64], y: &[f64], breaks: &[usize]) -> Result<NoiseEstimate,
     if t.windows(2).any(|w| w[1] <= w[0]) {
         return Err(NoiseError::Record("time does not increase strictly".into()));
     }
-    let windows = keep_smooth(windows(t, y, breaks));
+    let windows = keep_smooth(cut(t, y, breaks, WINDOW));
     let freedom: usize = windows.iter().map(|w| w.u.len()).sum();
     if freedom < LEAST_FREEDOM {
         return Err(NoiseError::TooShort { found: freedom });
@@ -95,19 +108,47 @@ pub fn estimate(t: &[f64], y: &[f64], breaks: &[usize]) -> Result<NoiseEstimate,
         return Err(NoiseError::Noiseless { floor });
     }
     let ar1_raw = if freedom >= 3 * LEAST_FREEDOM { most_likely(&windows) } else { 0.0 };
-    let gain = 2.0 * (likelihood(&windows, ar1_raw).1 - likelihood(&windows, 0.0).1);
-    let ar1 = if gain > 3.84 { ar1_raw } else { 0.0 };
-    let (sd, _) = likelihood(&windows, ar1);
-    Ok(NoiseEstimate {
-        sd,
-        ar1,
-        ar1_raw,
-        relative_error: (0.5 / freedom as f64).sqrt() * ((1.0 + ar1.abs()) / (1.0 - ar1.abs())).sqrt(),
-        points_used: windows.iter().map(|w| w.points).sum(),
-    })
+    if !significant(&windows, ar1_raw) {
+        return Ok(summary(&windows, 0.0, ar1_raw));
+    }
+    // Autocorrelated noise lives at low frequencies, which only longer windows see.
+    let long = keep_smooth(cut(t, y, breaks, LONG_WINDOW));
+    let enough = long.iter().map(|w| w.u.len()).sum::<usize>() >= freedom / 2;
+    let windows = if enough { long } else { windows };
+    let ar1 = most_likely(&windows);
+    Ok(summary(&windows, ar1, ar1))
 }
 
-fn windows(t: &[f64], y: &[f64], breaks: &[usize]) -> Vec<Window> {
+fn significant(windows: &[Window], ar1: f64) -> bool {
+    let gain = 2.0 * (likelihood(windows, ar1).1 - likelihood(windows, 0.0).1);
+    gain > if ar1 > 0.0 { 2.0 } else { 3.84 }
+}
+
+fn summary(windows: &[Window], ar1: f64, ar1_raw: f64) -> NoiseEstimate {
+    let freedom: f64 = windows.iter().map(Window::freedom).sum();
+    let ar1_error = curvature_error(windows, ar1_raw);
+    let cautious_ar1 = if ar1 == 0.0 { ar1_raw.max(0.0) } else { (ar1 + 1.5 * ar1_error).min(0.9) };
+    NoiseEstimate {
+        sd: likelihood(windows, ar1).0,
+        ar1,
+        ar1_raw,
+        ar1_error,
+        cautious_ar1,
+        cautious_sd: likelihood(windows, cautious_ar1).0,
+        relative_error: (0.5 / freedom).sqrt() * ((1.0 + ar1.abs()) / (1.0 - ar1.abs())),
+        points_used: windows.iter().map(|w| w.points).sum(),
+    }
+}
+
+/// Standard error of a correlation from the curvature of the likelihood.
+fn curvature_error(windows: &[Window], ar1: f64) -> f64 {
+    let h = 0.03;
+    let value = |phi: f64| likelihood(windows, phi).1;
+    let curvature = (2.0 * value(ar1) - value(ar1 - h) - value(ar1 + h)) / (h * h);
+    if curvature > 1.0 { curvature.sqrt().recip() } else { 1.0 }
+}
+
+fn cut(t: &[f64], y: &[f64], breaks: &[usize], target: usize) -> Vec<Window> {
     let mut edges: Vec<usize> = breaks.iter().copied().filter(|&b| b > 0 && b < t.len()).collect();
     edges.push(0);
     edges.push(t.len());
@@ -119,7 +160,7 @@ fn windows(t: &[f64], y: &[f64], breaks: &[usize]) -> Vec<Window> {
         if n < SHORTEST {
             continue;
         }
-        let parts = (n as f64 / WINDOW as f64).round().max(1.0) as usize;
+        let parts = (n as f64 / target as f64).round().max(1.0) as usize;
         for k in 0..parts {
             let (a, b) = (pair[0] + k * n / parts, pair[0] + (k + 1) * n / parts);
             out.push(window(&t[a..b], &y[a..b]));
@@ -128,10 +169,14 @@ fn windows(t: &[f64], y: &[f64], breaks: &[usize]) -> Vec<Window> {
     out
 }
 
-/// Contrasts orthogonal to polynomials: degree 5 in long windows, 3 in short ones.
+/// Contrasts orthogonal to polynomials: of degree 3, 5 or 7 as the window grows.
 fn window(t: &[f64], y: &[f64]) -> Window {
     let n = t.len();
-    let degree = if n >= 16 { 5 } else { 3 };
+    let degree = match n {
+        32.. => 7,
+        16.. => 5,
+        _ => 3,
+    };
     let (mid, half) = (0.5 * (t[0] + t[n - 1]), 0.5 * (t[n - 1] - t[0]));
     let powers =
         DMatrix::from_fn(n, degree + 1, |i, k| ((t[i] - mid) / half).powi(i32::try_from(k).unwrap_or(0)));
@@ -148,16 +193,15 @@ fn window(t: &[f64], y: &[f64]) -> Window {
 
 /// Leaves out windows whose variance no noise of the typical level would give.
 fn keep_smooth(windows: Vec<Window>) -> Vec<Window> {
-    let mut levels: Vec<f64> = windows
-        .iter()
-        .map(|w| w.variance() / (1.0 - 2.0 / (9.0 * w.freedom())).powi(3))
-        .collect();
+    let mut levels: Vec<f64> =
+        windows.iter().map(|w| w.variance() / (1.0 - 2.0 / (9.0 * w.freedom())).powi(3)).collect();
     if levels.is_empty() {
         return windows;
     }
     levels.sort_by(f64::total_cmp);
     let mut typical = levels[(levels.len() - 1) / 2];
-    let fits = |w: &Window, level: f64| w.variance() <= 1.2 * level * chi2_isf(1e-3, w.freedom()) / w.freedom();
+    let fits =
+        |w: &Window, level: f64| w.variance() <= 1.2 * level * chi2_isf(1e-3, w.freedom()) / w.freedom();
     for _ in 0..3 {
         let kept: Vec<&Window> = windows.iter().filter(|w| fits(w, typical)).collect();
         let freedom: f64 = kept.iter().map(|w| w.freedom()).sum();
@@ -185,10 +229,11 @@ fn likelihood(windows: &[Window], phi: f64) -> (f64, f64) {
     (variance.sqrt(), -0.5 * (freedom * variance.max(f64::MIN_POSITIVE).ln() + log_det))
 }
 
-/// Grid, then golden section.
+/// Grid, then golden section, with the weak prior 1 − φ²: in short windows a correlation near 1 looks like a
+/// smooth curve, and its sd would be without bound.
 fn most_likely(windows: &[Window]) -> f64 {
-    let value = |phi: f64| likelihood(windows, phi).1;
-    let grid: Vec<f64> = (-12..=18).map(|k| 0.05 * f64::from(k)).collect();
+    let value = |phi: f64| likelihood(windows, phi).1 + (1.0 - phi * phi).ln();
+    let grid: Vec<f64> = (-12..=17).map(|k| 0.05 * f64::from(k)).collect();
     let best = grid.iter().copied().max_by(|a, b| value(*a).total_cmp(&value(*b))).unwrap_or(0.0);
     let (mut a, mut b) = (best - 0.05, best + 0.05);
     let g = 0.618_033_988_75;

@@ -70,7 +70,13 @@ fn pair(a: &Projected, b: &Projected, left: &DVector<f64>, policy: &Policy) -> P
 
 /// Alike when seen on this misfit (both explain it, and neither adds to the other), or when in principle:
 /// a small angle, and a signal (found or plausible) too small to show what is left between them.
-fn alike(a: &Projected, b: &Projected, (a_after_b, b_after_a): (f64, f64), cosine: f64, policy: &Policy) -> bool {
+fn alike(
+    a: &Projected,
+    b: &Projected,
+    (a_after_b, b_after_a): (f64, f64),
+    cosine: f64,
+    policy: &Policy,
+) -> bool {
     let strong = |p: &Projected| p.fall() >= policy.min_fall;
     let nothing_more = a_after_b < policy.separate_chi2 && b_after_a < policy.separate_chi2;
     if strong(a) && strong(b) {

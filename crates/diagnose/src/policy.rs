@@ -39,6 +39,9 @@ pub struct Policy {
     pub tie_bic: f64,
     /// Least share of χ² (above the noise floor) that an added effect must take away; keeps trifles out.
     pub min_share: f64,
+    /// The same where the record stays unexplained in the end: an effect that takes less is not named, since
+    /// anything smooth bends a little towards what the catalogue does not hold.
+    pub min_share_unexplained: f64,
     /// An effect is confirmed when the held-out χ² falls at least by this share (0: any fall).
     pub held_out_fall: f64,
     /// Largest number of effects.
@@ -70,6 +73,7 @@ impl Default for Policy {
             drop_bic: 6.0,
             tie_bic: 6.0,
             min_share: 0.05,
+            min_share_unexplained: 0.25,
             held_out_fall: 0.0,
             max_effects: 4,
             explained_chi2: 1.2,

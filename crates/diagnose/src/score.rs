@@ -244,7 +244,8 @@ fn project<'a>(
 fn finding(p: &Projected, chi2: f64, policy: &Policy) -> Finding {
     let c = p.candidate;
     let names = c.amplitudes.iter().map(|a| a.name.clone());
-    let family = Family { shapes: &p.shapes, sides: &p.sides };
+    let live: Vec<DMatrix<f64>> = p.shapes.iter().filter(|s| s.norm() > 0.0).cloned().collect();
+    let family = Family { shapes: &live, sides: &p.sides };
     let none = vec![0.0; c.amplitudes.len()];
     let fall = p.falls.get(p.best);
     let snr_any = (0..p.shapes.len()).map(|i| p.snr(i)).fold(0.0, f64::max);
@@ -256,8 +257,8 @@ fn finding(p: &Projected, chi2: f64, policy: &Policy) -> Finding {
         shape_index: p.best,
         fall: p.fall(),
         expected_fall: if chi2 > 0.0 { p.fall() / chi2 } else { 0.0 },
-        p_value: if p.shapes.is_empty() { 1.0 } else { family.p_value(p.fall(), policy) },
-        p_bonferroni: if p.shapes.is_empty() { 1.0 } else { family.bonferroni(p.fall()) },
+        p_value: if live.is_empty() { 1.0 } else { family.p_value(p.fall(), policy) },
+        p_bonferroni: if live.is_empty() { 1.0 } else { family.bonferroni(p.fall()) },
         q_value: 1.0,
         visibility: p.visibility.get(p.best).copied().unwrap_or(0.0),
         snr: p.snr(p.best),

@@ -77,6 +77,9 @@ pub struct Segment {
 pub fn cut(time: &[f64], displacement: &[f64], force: &[f64], kind: RecordKind) -> Vec<Segment> {
     let n = time.len().min(displacement.len()).min(force.len());
     let (t, u, f) = (&time[..n], &displacement[..n], &force[..n]);
+    if n < 2 {
+        return Vec::new();
+    }
     let parts = pieces(t, u);
     let mut labels = label_motion(t, u, &parts);
     let peak = peak_of_loading(f, &labels);
@@ -156,10 +159,10 @@ fn mark_tearing(f: &[f64], labels: &mut [SegmentKind], peak: usize) {
     }
     let before = |share: f64| virgin[..at].iter().rposition(|&i| f[i] < share * top).map_or(0, |p| p + 1);
     let (onset, near) = (before(0.80), before(0.95));
-    let after = |share: f64| {
-        virgin[at..].iter().position(|&i| f[i] < share * top).map_or(virgin.len(), |p| at + p)
-    };
-    let (over, tail) = (after(0.95), virgin.len() - virgin[at..].iter().rev().take_while(|&&i| f[i] < 0.5 * top).count());
+    let after =
+        |share: f64| virgin[at..].iter().position(|&i| f[i] < share * top).map_or(virgin.len(), |p| at + p);
+    let (over, tail) =
+        (after(0.95), virgin.len() - virgin[at..].iter().rev().take_while(|&&i| f[i] < 0.5 * top).count());
     for (p, &i) in virgin.iter().enumerate() {
         labels[i] = if p < onset {
             continue;
@@ -196,8 +199,11 @@ fn name(labels: &[SegmentKind], parts: &[Piece]) -> Vec<Segment> {
             seen.push(kind);
             let number = seen.iter().filter(|&&k| k == kind).count();
             let word = kind.word();
-            let name =
-                if kind.always_numbered() || count > 1 { format!("{word} {number}") } else { word.to_owned() };
+            let name = if kind.always_numbered() || count > 1 {
+                format!("{word} {number}")
+            } else {
+                word.to_owned()
+            };
             Segment { name, range, kind }
         })
         .collect()

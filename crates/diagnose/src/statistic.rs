@@ -22,6 +22,9 @@ pub(crate) fn statistic(gram: &DMatrix<f64>, b: &DVector<f64>, sides: &[Side]) -
         }
         return best;
     }
+    if k == 2 {
+        return two(gram, b, sides);
+    }
     for subset in 1..(1usize << k.min(16)) {
         let which: Vec<usize> = (0..k).filter(|i| subset >> i & 1 == 1).collect();
         let Some(a) = solve(gram, b, &which) else { continue };
@@ -35,6 +38,29 @@ pub(crate) fn statistic(gram: &DMatrix<f64>, b: &DVector<f64>, sides: &[Side]) -
                 amplitudes[i] = a;
             }
             best = Fall { fall, amplitudes };
+        }
+    }
+    best
+}
+
+/// The same for two amplitudes, in closed form: the pair when admissible, else the better single one.
+fn two(gram: &DMatrix<f64>, b: &DVector<f64>, sides: &[Side]) -> Fall {
+    let (g00, g01, g11) = (gram[(0, 0)], gram[(0, 1)], gram[(1, 1)]);
+    let determinant = g00 * g11 - g01 * g01;
+    if determinant > 1e-10 * g00 * g11 {
+        let x = (g11 * b[0] - g01 * b[1]) / determinant;
+        let y = (g00 * b[1] - g01 * b[0]) / determinant;
+        if sides[0].admits(x) && sides[1].admits(y) {
+            return Fall { fall: (x * b[0] + y * b[1]).max(0.0), amplitudes: vec![x, y] };
+        }
+    }
+    let mut best = Fall { fall: 0.0, amplitudes: vec![0.0; 2] };
+    for i in 0..2 {
+        let a = if gram[(i, i)] > 0.0 { b[i] / gram[(i, i)] } else { 0.0 };
+        if sides[i].admits(a) && a * b[i] > best.fall {
+            let mut amplitudes = vec![0.0; 2];
+            amplitudes[i] = a;
+            best = Fall { fall: a * b[i], amplitudes };
         }
     }
     best
@@ -80,6 +106,23 @@ mod tests {
                 for j in -20..20 {
                     assert!(value(0.2 * f64::from(i), 0.2 * f64::from(j)) <= best.fall + 1e-9);
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn two_amplitudes_in_closed_form_agree_with_the_general_search() {
+        let mut random = Random::new(2);
+        for _ in 0..500 {
+            let s = DMatrix::from_fn(6, 3, |_, c| if c == 2 { 0.0 } else { random.normal() });
+            let r = random.normals(6);
+            for sides in [[Side::Positive, Side::Negative], [Side::Both, Side::Positive]] {
+                let pair = s.columns(0, 2).into_owned();
+                let closed = statistic(&pair.tr_mul(&pair), &pair.tr_mul(&r), &sides);
+                let wide = [sides[0], sides[1], Side::Both];
+                let general = statistic(&s.tr_mul(&s), &s.tr_mul(&r), &wide);
+                assert!((closed.fall - general.fall).abs() < 1e-9);
+                assert!((closed.amplitudes[0] - general.amplitudes[0]).abs() < 1e-9);
             }
         }
     }

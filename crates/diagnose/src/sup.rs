@@ -79,21 +79,54 @@ impl Family<'_> {
         (total * if two_sided { 2.0 } else { 1.0 }).clamp(SMALLEST, 1.0)
     }
 
-    /// How many of the draws reach `fall`.
+    /// How many of the draws reach `fall`. Without effect, Bᵀr of an orthonormal basis B of all shapes is
+    /// standard normal, and the statistic depends on r through nothing else.
     fn exceedances(&self, fall: f64, policy: &Policy) -> usize {
-        let k = self.sides.len();
         let all: Vec<_> = self.shapes.iter().flat_map(|s| s.column_iter()).map(|c| c.into_owned()).collect();
-        let all = DMatrix::from_columns(&all);
-        let basis = orthonormal(&all);
-        let inner = basis.tr_mul(&all);
-        let grams: Vec<DMatrix<f64>> = self.shapes.iter().map(|s| s.tr_mul(s)).collect();
+        let basis = orthonormal(&DMatrix::from_columns(&all));
+        let inner: Vec<DMatrix<f64>> = self.shapes.iter().map(|s| basis.tr_mul(s)).collect();
+        if self.sides.len() == 1 {
+            return self.exceedances_single(fall, policy, basis.ncols(), &inner);
+        }
+        let grams: Vec<DMatrix<f64>> = inner.iter().map(|s| s.tr_mul(s)).collect();
         let mut random = Random::new(policy.seed);
         (0..policy.draws)
             .filter(|_| {
-                let b = inner.tr_mul(&random.normals(basis.ncols()));
-                grams.iter().enumerate().any(|(i, gram)| {
-                    let part = b.rows(i * k, k).into_owned();
-                    statistic(gram, &part, self.sides).fall >= fall
+                let g = random.normals(basis.ncols());
+                inner.iter().zip(&grams).any(|(s, gram)| {
+                    let b = s.tr_mul(&g);
+                    b.norm_squared() > 0.0 && statistic(gram, &b, self.sides).fall >= fall
+                })
+            })
+            .count()
+    }
+
+    /// The same for one amplitude, where a shape is just a unit vector.
+    fn exceedances_single(
+        &self,
+        fall: f64,
+        policy: &Policy,
+        dimensions: usize,
+        inner: &[DMatrix<f64>],
+    ) -> usize {
+        let units: Vec<Vec<f64>> = inner
+            .iter()
+            .filter(|s| s.norm() > 0.0)
+            .map(|s| s.iter().map(|v| v / s.norm()).collect())
+            .collect();
+        let (critical, side) = (fall.sqrt(), self.sides[0]);
+        let mut random = Random::new(policy.seed);
+        let mut g = vec![0.0; dimensions];
+        (0..policy.draws)
+            .filter(|_| {
+                g.iter_mut().for_each(|v| *v = random.normal());
+                units.iter().any(|u| {
+                    let z: f64 = u.iter().zip(&g).map(|(a, b)| a * b).sum();
+                    match side {
+                        Side::Both => z.abs() >= critical,
+                        Side::Positive => z >= critical,
+                        Side::Negative => -z >= critical,
+                    }
                 })
             })
             .count()

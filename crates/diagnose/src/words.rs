@@ -2,9 +2,8 @@
 
 use crate::atlas::SegmentMisfit;
 use crate::dependence::Dependence;
-use crate::discover::{Discovery, Verdict};
 use crate::ladder::Rung;
-use crate::{Finding, Policy};
+use crate::{Discovery, Finding, Policy, Verdict};
 
 /// What the screen says about one effect.
 pub fn finding(f: &Finding, policy: &Policy) -> String {

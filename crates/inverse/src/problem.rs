@@ -75,7 +75,12 @@ pub struct Free {
 
 impl Free {
     /// A free parameter without a prior.
-    pub fn new(path: impl Into<String>, (lower, upper): (f64, f64), transform: Transform, start: f64) -> Self {
+    pub fn new(
+        path: impl Into<String>,
+        (lower, upper): (f64, f64),
+        transform: Transform,
+        start: f64,
+    ) -> Self {
         Self { path: path.into(), lower, upper, transform, start, prior: None }
     }
 

@@ -90,14 +90,13 @@ fn one<P: Problem + ?Sized>(
     let mut held = vec![None; free.len()];
     held[index] = Some(value);
     let fixed = Fixed::new(problem, held);
-    let rest: Vec<Free> = (0..free.len())
-        .filter(|&k| k != index)
-        .map(|k| Free { start: from[k], ..free[k].clone() })
-        .collect();
+    let rest: Vec<Free> =
+        (0..free.len()).filter(|&k| k != index).map(|k| Free { start: from[k], ..free[k].clone() }).collect();
     match fit(&fixed, data, &rest, options, &mut |_| ControlFlow::Continue(())) {
         Ok(end) => {
             let prior = free[index].prior.map_or(0.0, |p| {
-                let weight = if options.objective == crate::Objective::PaperSum { data.mean_sd() } else { 1.0 };
+                let weight =
+                    if options.objective == crate::Objective::PaperSum { data.mean_sd() } else { 1.0 };
                 (weight * (free[index].forward(value) - p.mean) / p.sd).powi(2)
             });
             Ok(ProfilePoint { value, f: Some(end.f + prior), theta: fixed.whole(&end.theta) })

@@ -39,6 +39,8 @@ pub struct Quality {
     pub points: usize,
     /// Free parameters, not counting those at a bound.
     pub parameters: usize,
+    /// Points minus the parameters' share of them (trace of the hat matrix).
+    pub freedom: f64,
     /// χ² with the record's noise alone.
     pub chi2: f64,
     /// χ² with numerical error.
@@ -64,7 +66,8 @@ pub fn quality(data: &Data, free: &[Free], fit: &Fit) -> Quality {
         let points = block.range.clone().filter(|&i| data.is_used(i)).count();
         let dof = leverage[b];
         let left = (points as f64 - dof).max(1.0);
-        let (objective, chi2, chi2_total) = (square(Noise::None), square(Noise::Record), square(Noise::Total));
+        let (objective, chi2, chi2_total) =
+            (square(Noise::None), square(Noise::Record), square(Noise::Total));
         blocks.push(BlockQuality {
             name: block.name.clone(),
             points,
@@ -87,6 +90,7 @@ pub fn quality(data: &Data, free: &[Free], fit: &Fit) -> Quality {
         blocks,
         points,
         parameters,
+        freedom: left,
         chi2,
         chi2_total,
         reduced_chi2: chi2 / left,
@@ -134,14 +138,12 @@ fn leverage(data: &Data, free: &[Free], fit: &Fit) -> Vec<f64> {
 /// Columns are scaled to length 1 first, so that units do not decide what counts as zero; a column of which
 /// less than 1e-9 is left counts as a combination of the others.
 pub fn orthonormal(a: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut left: Vec<DVector<f64>> = a
-        .column_iter()
-        .filter(|c| c.norm() > 0.0 && c.norm().is_finite())
-        .map(|c| c.normalize())
-        .collect();
+    let mut left: Vec<DVector<f64>> =
+        a.column_iter().filter(|c| c.norm() > 0.0 && c.norm().is_finite()).map(|c| c.normalize()).collect();
     let mut basis: Vec<DVector<f64>> = Vec::new();
     while basis.len() < a.nrows() {
-        let longest = (0..left.len()).max_by(|&i, &j| left[i].norm().total_cmp(&left[j].norm()).then(j.cmp(&i)));
+        let longest =
+            (0..left.len()).max_by(|&i, &j| left[i].norm().total_cmp(&left[j].norm()).then(j.cmp(&i)));
         let Some(longest) = longest else { break };
         let mut q = left.swap_remove(longest);
         if q.norm() < 1e-9 {

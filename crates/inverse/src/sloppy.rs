@@ -43,7 +43,10 @@ impl Uncertainty {
         }
         let combination = combination(&leading, |k| (self.free[k].path.as_str(), sign * v[k]));
         let kept = self.kept_pair(&leading, &v.into_owned());
-        format!("The record hardly fixes {combination}{kept}: {} together raise χ² by only 1.", moves.join(", "))
+        format!(
+            "The record hardly fixes {combination}{kept}: {} together raise χ² by only 1.",
+            moves.join(", ")
+        )
     }
 
     /// For a pair of logarithms, what the record does fix: the product or the ratio.

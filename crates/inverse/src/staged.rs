@@ -80,3 +80,53 @@ pub fn held_gain(
     }
     Ok(gain)
 }
+
+impl Uncertainty {
+    /// Two stages as one list: `here` and `there` are the positions of this stage's and the other's
+    /// parameters in the joined list. Correlations between the stages are left out (zero).
+    pub fn join(self, other: Uncertainty, here: &[usize], there: &[usize]) -> Uncertainty {
+        let n = here.len() + there.len();
+        let places: Vec<(usize, bool, usize)> = here
+            .iter()
+            .enumerate()
+            .map(|(k, &at)| (at, false, k))
+            .chain(there.iter().enumerate().map(|(k, &at)| (at, true, k)))
+            .collect();
+        let mut order = vec![(false, 0); n];
+        for (at, second, k) in places {
+            if at < n {
+                order[at] = (second, k);
+            }
+        }
+        let pick = |second: bool| if second { &other } else { &self };
+        let block = |m: fn(&Uncertainty) -> &DMatrix<f64>| {
+            DMatrix::from_fn(n, n, |i, j| {
+                let ((si, ki), (sj, kj)) = (order[i], order[j]);
+                if si == sj { m(pick(si))[(ki, kj)] } else { 0.0 }
+            })
+        };
+        let mut spectrum: Vec<(f64, bool, usize)> = self
+            .singular_values
+            .iter()
+            .enumerate()
+            .map(|(k, &s)| (s, false, k))
+            .chain(other.singular_values.iter().enumerate().map(|(k, &s)| (s, true, k)))
+            .collect();
+        spectrum.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let directions = DMatrix::from_fn(n, spectrum.len(), |i, c| {
+            let ((second, k), (_, of_second, column)) = (order[i], spectrum[c]);
+            if second == of_second { pick(second).directions[(k, column)] } else { 0.0 }
+        });
+        Uncertainty {
+            estimates: order.iter().map(|&(second, k)| pick(second).estimates[k].clone()).collect(),
+            covariance_z: block(|u| &u.covariance_z),
+            correlation: block(|u| &u.correlation),
+            singular_values: spectrum.iter().map(|s| s.0).collect(),
+            directions,
+            free: order.iter().map(|&(second, k)| pick(second).free[k].clone()).collect(),
+            scales: order.iter().map(|&(second, k)| pick(second).scales[k]).collect(),
+            theta: order.iter().map(|&(second, k)| pick(second).theta[k]).collect(),
+            rule: self.rule,
+        }
+    }
+}

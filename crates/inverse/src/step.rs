@@ -23,8 +23,8 @@ pub(crate) fn bounded_step(system: &Reduced, d: &DVector<f64>, lambda: f64, spac
     let gradient = system.gradient();
     let mut held: Vec<Option<f64>> = (0..p)
         .map(|k| {
-            let outward =
-                (space.lower[k] >= 0.0 && gradient[k] <= 0.0) || (space.upper[k] <= 0.0 && gradient[k] >= 0.0);
+            let outward = (space.lower[k] >= 0.0 && gradient[k] <= 0.0)
+                || (space.upper[k] <= 0.0 && gradient[k] >= 0.0);
             outward.then_some(0.0)
         })
         .collect();
@@ -39,12 +39,20 @@ pub(crate) fn bounded_step(system: &Reduced, d: &DVector<f64>, lambda: f64, spac
                 dz[k] = x[n];
             }
         }
+        // Only the worst offender is put on its edge: the others may come back once it is there.
+        let excess = |k: usize| {
+            let size = (space.upper[k] - space.lower[k]).max(f64::MIN_POSITIVE);
+            (space.lower[k] - dz[k]).max(dz[k] - space.upper[k]) / size
+        };
+        let worst = open
+            .iter()
+            .copied()
+            .filter(|&k| excess(k) > 0.0)
+            .max_by(|&a, &b| excess(a).total_cmp(&excess(b)));
         let mut left = false;
-        for &k in &open {
-            if dz[k] < space.lower[k] || dz[k] > space.upper[k] {
-                held[k] = Some(dz[k].clamp(space.lower[k], space.upper[k]));
-                left = true;
-            }
+        if let Some(k) = worst {
+            held[k] = Some(dz[k].clamp(space.lower[k], space.upper[k]));
+            left = true;
         }
         if !left {
             let fall = system.fall(&dz);
@@ -52,4 +60,43 @@ pub(crate) fn bounded_step(system: &Reduced, d: &DVector<f64>, lambda: f64, spac
         }
     }
     Step { dz: DVector::zeros(p), fall: 0.0 }
+}
+
+/// Nielsen's damping, and how far steps are shortened where the model cannot be computed.
+pub(crate) struct Damping {
+    pub lambda: f64,
+    growth: f64,
+    pub shorten: f64,
+}
+
+impl Damping {
+    pub fn new(lambda: f64) -> Self {
+        Self { lambda, growth: 2.0, shorten: 1.0 }
+    }
+
+    pub fn accept(&mut self, gain: f64) {
+        let factor = (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(1.0 / 10.0, 2.0);
+        self.lambda = (self.lambda * factor).max(1e-12);
+        self.growth = 2.0;
+    }
+
+    pub fn reject(&mut self) {
+        self.lambda *= self.growth;
+        self.growth *= 2.0;
+    }
+}
+
+/// The step shortened by `factor`, with the fall that is left.
+pub(crate) fn scaled(step: Step, factor: f64, system: &Reduced) -> Step {
+    if factor >= 1.0 {
+        return step;
+    }
+    let dz = step.dz * factor;
+    let fall = system.fall(&dz);
+    Step { dz, fall }
+}
+
+/// Whether a step changes any coordinate beyond rounding.
+pub(crate) fn moves(z: &DVector<f64>, dz: &DVector<f64>) -> bool {
+    z.iter().zip(dz.iter()).any(|(z, d)| d.abs() > 1e-14 * z.abs().max(1e-300))
 }

@@ -57,8 +57,7 @@ impl Whitener {
                 last = Some(i);
             }
         }
-        let mut map =
-            Self { rows, weight, carry, basis: DMatrix::zeros(0, 0), shrink: DVector::zeros(0) };
+        let mut map = Self { rows, weight, carry, basis: DMatrix::zeros(0, 0), shrink: DVector::zeros(0) };
         if noise == Noise::Total {
             map.add_nuisance(&data.nuisance_columns());
         }
@@ -194,8 +193,7 @@ impl Data {
             }
             let mut backward = 0.0;
             for (n, &k) in at.iter().enumerate().rev() {
-                backward =
-                    if n + 1 < at.len() { gap(k, at[n + 1]) * (backward + v[at[n + 1]]) } else { 0.0 };
+                backward = if n + 1 < at.len() { gap(k, at[n + 1]) * (backward + v[at[n + 1]]) } else { 0.0 };
                 out[k] += sd2 * backward;
             }
         }

@@ -49,10 +49,8 @@ fn a_logit_parameter_at_its_end_is_reported_at_the_bound() {
     });
     let d = data(&truth(&toy, &[-0.3, 1.0]), NoiseModel::white(0.01));
     let logit = Transform::Logit { lower: 0.0, upper: 1.0 };
-    let free = vec![
-        Free::new("p", (0.0, 1.0), logit, 0.5),
-        Free::new("q", (-5.0, 5.0), Transform::Identity, 0.0),
-    ];
+    let free =
+        vec![Free::new("p", (0.0, 1.0), logit, 0.5), Free::new("q", (-5.0, 5.0), Transform::Identity, 0.0)];
     let end = quiet(&toy, &d, &free, &FitOptions::default());
     assert!(end.at_bound[0] && end.theta[0] < 1e-3, "{:?} {:?}", end.theta, end.stop);
     let u = uncertainty(&d, &free, &end, &Identifiability::default()).unwrap();
@@ -84,10 +82,8 @@ fn a_direction_without_any_influence_neither_stalls_nor_runs_away() {
     let mut values = truth(&toy, &[2.0, 0.5, 3.0, 1.0]);
     values += Random::new(1).normals(30) * 0.02;
     let d = data(&values, NoiseModel::white(0.02));
-    let free: Vec<Free> = ["a", "b", "c", "idle"]
-        .iter()
-        .map(|n| Free::new(*n, (1e-4, 1e4), Transform::Log, 1.0))
-        .collect();
+    let free: Vec<Free> =
+        ["a", "b", "c", "idle"].iter().map(|n| Free::new(*n, (1e-4, 1e4), Transform::Log, 1.0)).collect();
     let end = quiet(&toy, &d, &free, &FitOptions::default());
     assert!(end.stop.converged(), "{:?}", end.stop);
     assert!((end.theta[3] - 1.0).abs() < 1e-9, "{}", end.theta[3]);
@@ -140,17 +136,21 @@ fn stop_reasons_are_told_apart() {
     let one = FitOptions { max_iterations: 1, ..options.clone() };
     assert_eq!(quiet(&toy, &d, &free, &one).stop, StopReason::MaxIterations);
     assert_eq!(quiet(&toy, &data(&exact, NoiseModel::white(0.05)), &free, &options).stop, StopReason::Exact);
-    assert_eq!(quiet(&Toy(40, |i, _: &[f64]| (i as f64, vec![])), &d, &[], &options).stop, StopReason::NothingFree);
+    assert_eq!(
+        quiet(&Toy(40, |i, _: &[f64]| (i as f64, vec![])), &d, &[], &options).stop,
+        StopReason::NothingFree
+    );
     let stopped = fit(&toy, &d, &free, &options, &mut |it| {
         if it.iteration == 2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })
     .unwrap();
     assert_eq!(stopped.stop, StopReason::Stopped);
     assert_eq!(stopped.iterations, 2);
-    let at_end: Vec<Free> =
-        free.iter().zip(&quiet(&toy, &d, &free, &FitOptions { tolerance: 1e-14, ..options.clone() }).theta)
-            .map(|(f, &x)| Free { start: x, ..f.clone() })
-            .collect();
+    let at_end: Vec<Free> = free
+        .iter()
+        .zip(&quiet(&toy, &d, &free, &FitOptions { tolerance: 1e-14, ..options.clone() }).theta)
+        .map(|(f, &x)| Free { start: x, ..f.clone() })
+        .collect();
     assert_eq!(quiet(&toy, &d, &at_end, &options).stop, StopReason::Stationary);
     let liar = Toy(40, |i, p: &[f64]| {
         let (y, j) = exponential(i, p);

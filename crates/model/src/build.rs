@@ -1,7 +1,7 @@
 //! From a case to models of its tests: meshes, supports, laws, parameters.
 
 use crate::camera::Camera;
-use crate::effect::{Action, Bulk, Catalogue, Effect, Interface, Mount, Piece, Sensor, Shape};
+use crate::effect::{Action, Bulk, Catalogue, Effect, Interface, Mount, Piece, Sensor, Shape, Site};
 use fem::{Blend, Body, Link, MountField, Path, Prescribed, Problem, ShapeField, System};
 use input::{Case, Ends, FibreInvariants, Grips, Profile, Symmetry, Test, TestKind, Value};
 use mesh::{Mesh, Outline, Sizing, Strip};
@@ -126,6 +126,15 @@ impl Model {
     pub fn is_hidden(&self, index: usize) -> bool {
         let p = &self.parameters[index];
         p.path == "bulk.fibre_onset" && !p.free
+    }
+
+    /// The site a parameter acts on.
+    pub fn site_of(&self, index: usize) -> Site {
+        match self.active.iter().find(|a| a.params.contains(&index)) {
+            Some(a) => a.effect.card().site,
+            None if self.parameters[index].path.starts_with("bulk.") => Site::Bulk,
+            None => Site::Interface,
+        }
     }
 
     /// Names of the effects in the model.

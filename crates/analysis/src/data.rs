@@ -1,0 +1,119 @@
+//! From records to data: blocks, their noise, the model's numerical error.
+
+use diagnose::NoiseError;
+use inverse::{Data, DataError, NoiseModel};
+use model::{Channel, Model, corners_of_record};
+use nalgebra::DVector;
+use thiserror::Error;
+
+/// Why a record cannot be used.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum RecordError {
+    /// No noise level was given, and none can be estimated.
+    #[error("test {test}, {channel}: the noise cannot be estimated from the record ({source}); give `force_sd_N` (or the channel's sd) in the specimen file")]
+    Noise {
+        /// Test.
+        test: String,
+        /// Channel.
+        channel: &'static str,
+        /// What the estimator says.
+        source: NoiseError,
+    },
+    /// The numbers do not fit together.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// Nothing was measured.
+    #[error("no test has a record: give `data = \"….csv\"` in a [[tests]] block")]
+    Empty,
+}
+
+/// A block's place in the case.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Slot {
+    /// Index of the test.
+    pub test: usize,
+    /// Channel.
+    pub channel: Channel,
+    /// Rows of the record, one per point.
+    pub rows: Vec<usize>,
+}
+
+/// Measured data of some tests, with each block's place.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// Blocks in order.
+    pub data: Data,
+    /// Their places, in the same order.
+    pub slots: Vec<Slot>,
+}
+
+impl Measured {
+    /// The data of the wanted tests.
+    ///
+    /// # Errors
+    /// [`RecordError`] naming the test.
+    pub fn of(model: &Model, wanted: &[bool]) -> Result<Self, RecordError> {
+        let mut parts = Vec::new();
+        let mut slots = Vec::new();
+        for (t, test) in model.tests.iter().enumerate() {
+            let Some(record) = test.test.record.as_ref().filter(|_| wanted[t]) else { continue };
+            for channel in Channel::ALL {
+                let measured = channel.of(record);
+                if measured.is_empty() {
+                    continue;
+                }
+                let rows: Vec<usize> = measured.iter().map(|m| m.0).collect();
+                let values: Vec<f64> = measured.iter().map(|m| m.1).collect();
+                let noise = noise_of(model, t, channel, &rows, &values)?;
+                let name = match channel {
+                    Channel::Force => test.test.name.clone(),
+                    _ => format!("{}.{}", test.test.name, channel.word()),
+                };
+                parts.push((name, values, noise));
+                slots.push(Slot { test: t, channel, rows });
+            }
+        }
+        if parts.is_empty() {
+            return Err(RecordError::Empty);
+        }
+        Ok(Self { data: Data::from_parts(parts)?, slots })
+    }
+
+    /// The same with the model's numerical error: one column per block, with an unknown factor.
+    pub fn with_numerical_error(mut self, error: &DVector<f64>) -> Self {
+        for block in &mut self.data.blocks {
+            let column = error.rows(block.range.start, block.range.len()).into_owned();
+            if column.norm() > 0.0 {
+                block.noise.nuisance = vec![column];
+            }
+        }
+        self
+    }
+}
+
+/// Noise of one channel: as the file says, else estimated from the record itself.
+fn noise_of(model: &Model, t: usize, channel: Channel, rows: &[usize], values: &[f64]) -> Result<NoiseModel, RecordError> {
+    let test = &model.tests[t].test;
+    let given = match channel {
+        Channel::Force => test.force_sd,
+        Channel::GripDisplacement => test.grip_displacement_sd,
+        Channel::TearFront => test.tear_front_sd,
+        Channel::WidthChange => test.width_change_sd,
+    };
+    if let Some(sd) = given {
+        return Ok(NoiseModel::white(sd));
+    }
+    let Some(record) = &test.record else { return Err(RecordError::Empty) };
+    let time: Vec<f64> = rows.iter().map(|&r| record.time[r]).collect();
+    let corners = corners_of_record(record);
+    let breaks: Vec<usize> =
+        corners.iter().filter_map(|c| time.iter().position(|t| (t - c.time).abs() < 1e-9)).collect();
+    let estimate = diagnose::noise::estimate(&time, values, &breaks).map_err(|source| RecordError::Noise {
+        test: test.name.clone(),
+        channel: channel.word(),
+        source,
+    })?;
+    // A record without any noise (computed, or rounded) still has the rounding of its digits.
+    let peak = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    Ok(NoiseModel { sd: estimate.sd.max(1e-6 * peak).max(1e-12), ar1: estimate.ar1, nuisance: Vec::new() })
+}

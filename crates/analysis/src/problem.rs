@@ -1,0 +1,141 @@
+//! The finite-element model as an inverse problem: free parameters in, record points out.
+
+use crate::data::Slot;
+use fem::Warm;
+use inverse::{PredictError, Prediction, Problem};
+use model::{Model, Request, RunOptions, TestRun};
+use nalgebra::{DMatrix, DVector};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Asked between steps: whether the user wants to stop.
+pub type Cancelled<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// A model with some free parameters, compared with some blocks.
+pub struct FeProblem<'a> {
+    /// The model.
+    pub model: &'a Model,
+    /// All parameter values; the free ones are replaced.
+    pub theta: Vec<f64>,
+    /// Indices of the free ones.
+    pub free: Vec<usize>,
+    /// Blocks of the prediction vector.
+    pub slots: &'a [Slot],
+    /// Run options.
+    pub options: RunOptions,
+    /// Added to the prediction: what a finer mesh says more (zero length: nothing).
+    pub correction: DVector<f64>,
+    cancelled: Cancelled<'a>,
+    warm: Mutex<Vec<Option<Warm>>>,
+    runs: AtomicUsize,
+}
+
+impl<'a> FeProblem<'a> {
+    /// A problem without first guesses.
+    pub fn new(
+        model: &'a Model,
+        theta: Vec<f64>,
+        free: Vec<usize>,
+        slots: &'a [Slot],
+        options: RunOptions,
+        cancelled: Cancelled<'a>,
+    ) -> Self {
+        let tests = model.tests.len();
+        Self {
+            model,
+            theta,
+            free,
+            slots,
+            options,
+            correction: DVector::zeros(0),
+            cancelled,
+            warm: Mutex::new(vec![None; tests]),
+            runs: AtomicUsize::new(0),
+        }
+    }
+
+    /// Forward runs so far.
+    pub fn runs(&self) -> usize {
+        self.runs.load(Ordering::Relaxed)
+    }
+
+    /// θ with the free parameters replaced.
+    pub fn full(&self, free: &[f64]) -> Vec<f64> {
+        let mut theta = self.theta.clone();
+        for (&i, &v) in self.free.iter().zip(free) {
+            theta[i] = v;
+        }
+        theta
+    }
+
+    /// Runs the tests at θ with derivatives by `seeds`, keeping states as first guesses.
+    ///
+    /// # Errors
+    /// [`PredictError`] when a solver cannot be set up.
+    pub fn run(&self, theta: &[f64], seeds: &[usize]) -> Result<Vec<Option<TestRun>>, PredictError> {
+        let mut wanted = vec![false; self.model.tests.len()];
+        for s in self.slots {
+            wanted[s.test] = true;
+        }
+        let mut options = self.options;
+        options.march.keep_states = true;
+        let warm = self.warm.lock().map_or_else(|w| w.into_inner().clone(), |w| w.clone());
+        self.runs.fetch_add(1, Ordering::Relaxed);
+        let request = Request { theta, seeds, options, wanted: &wanted, warm: &warm, cancelled: self.cancelled };
+        let runs = self.model.run(&request).map_err(|e| PredictError::NotComputable(e.to_string()))?;
+        if (self.cancelled)() {
+            return Err(PredictError::Interrupted);
+        }
+        if let Ok(mut kept) = self.warm.lock() {
+            for (slot, run) in kept.iter_mut().zip(&runs) {
+                if let Some(r) = run.as_ref().filter(|r| r.run.failure.is_none()) {
+                    *slot = Some(Warm::of(&r.run, r.plan.targets.len()));
+                }
+            }
+        }
+        Ok(runs)
+    }
+
+    /// Prediction vector (and jacobian) from finished runs.
+    ///
+    /// # Errors
+    /// Why a run stopped before the last record point.
+    pub fn gather(&self, runs: &[Option<TestRun>], theta: &[f64], jacobian: bool) -> Result<Prediction, PredictError> {
+        let n: usize = self.slots.iter().map(|s| s.rows.len()).sum();
+        let k = if jacobian { runs.iter().flatten().next().map_or(0, |r| r.columns.len()) } else { 0 };
+        let mut values = DVector::zeros(n);
+        let mut matrix = DMatrix::zeros(n, k);
+        let mut valid = vec![true; n];
+        let mut at = 0;
+        for slot in self.slots {
+            let not = |why: String| PredictError::NotComputable(why);
+            let run = runs[slot.test].as_ref().ok_or_else(|| not("a test was not run".into()))?;
+            let name = &self.model.tests[slot.test].test.name;
+            let series = self.model.series(run, theta, slot.channel).map_err(|e| not(format!("test {name}: {e}")))?;
+            for (row, value) in series.values.iter().enumerate() {
+                values[at + row] = *value;
+                valid[at + row] = series.smooth[row];
+                for c in 0..k {
+                    matrix[(at + row, c)] = series.derivatives[row * k + c];
+                }
+            }
+            at += slot.rows.len();
+        }
+        if values.iter().any(|v| !v.is_finite()) || matrix.iter().any(|v| !v.is_finite()) {
+            return Err(PredictError::NotComputable("the prediction is not finite".into()));
+        }
+        if self.correction.len() == n {
+            values += &self.correction;
+        }
+        Ok(Prediction { values, jacobian: jacobian.then_some(matrix), valid: Some(valid) })
+    }
+}
+
+impl Problem for FeProblem<'_> {
+    fn predict(&self, free: &[f64], jacobian: bool) -> Result<Prediction, PredictError> {
+        let theta = self.full(free);
+        let seeds: &[usize] = if jacobian { &self.free } else { &[] };
+        let runs = self.run(&theta, seeds)?;
+        self.gather(&runs, &theta, jacobian)
+    }
+}

@@ -1,0 +1,193 @@
+//! What all decorators share: an inner law, and parameters and history laid out as inner ++ own.
+//!
+//! A decoration says only what it adds. [`Decorated`] does the bookkeeping once, so that the state
+//! of the second of two composed effects cannot be lost and names cannot clash.
+
+use constitutive::{Context, Describe, Energy, HistorySpec, Law, PointLaw, Response, Scalar};
+use params::ParamSpec;
+use std::sync::Arc;
+
+/// One call of a decorated law, with the parts that belong to the inner law and the own ones.
+pub struct Call<'a, S, const G: usize> {
+    inner: &'a (dyn PointLaw<G> + 'static),
+    /// Where and when.
+    pub ctx: &'a Context,
+    /// Gradient.
+    pub gradient: &'a [S; G],
+    /// Parameters of the inner law; the base law's come first.
+    pub base: &'a [S],
+    /// Own parameters, amplitude first.
+    pub own: &'a [S],
+    /// History of the inner law at the last converged step; the base law's comes first.
+    pub inner_old: &'a [S],
+    /// Own history at the last converged step.
+    pub old: &'a [S],
+}
+
+impl<S: Scalar, const G: usize> Call<'_, S, G>
+where
+    dyn PointLaw<G>: Law<S, G>,
+{
+    /// The inner law's answer.
+    #[inline]
+    pub fn inner(&self, new: &mut [S]) -> Response<S, G> {
+        self.inner_at(self.gradient, self.base, new)
+    }
+
+    /// The inner law's answer to another gradient or other parameters.
+    #[inline]
+    pub fn inner_at(&self, gradient: &[S; G], params: &[S], new: &mut [S]) -> Response<S, G> {
+        Law::<S, G>::respond(self.inner, self.ctx, gradient, params, self.inner_old, new)
+    }
+}
+
+impl<const G: usize> Call<'_, f64, G> {
+    /// Energies of the inner law at another gradient or other parameters.
+    pub fn inner_energies(&self, gradient: &[f64; G], params: &[f64], new: &[f64]) -> Energy {
+        self.inner.energies(self.ctx, gradient, params, self.inner_old, new)
+    }
+
+    /// Hand tangent of the inner law at another gradient or other parameters.
+    pub fn inner_tangent(&self, gradient: &[f64; G], params: &[f64], new: &mut [f64]) -> Option<Tangent<G>> {
+        self.inner.hand_tangent(self.ctx, gradient, params, self.inner_old, new)
+    }
+
+    /// The answer of the inner law at the same history for another gradient: nothing is recorded.
+    pub fn inner_probe(&self, gradient: &[f64; G], history: &[f64]) -> Response<f64, G> {
+        let mut scratch = history.to_vec();
+        Law::<f64, G>::respond(self.inner, self.ctx, gradient, self.base, history, &mut scratch)
+    }
+}
+
+/// Force and its derivative by the gradient.
+pub type Tangent<const G: usize> = ([f64; G], [[f64; G]; G]);
+
+/// What a decorator adds to the law inside.
+pub trait Decoration<const G: usize>: Send + Sync + 'static {
+    /// Name of the effect, prefix of its parameter and history names.
+    const NAME: &'static str;
+
+    /// Own parameters, amplitude first.
+    fn parameters(&self) -> Vec<ParamSpec>;
+
+    /// Own history: name and value in virgin tissue.
+    fn history(&self) -> Vec<(String, f64)> {
+        Vec::new()
+    }
+
+    /// Whether `dt` or `time` change what is added.
+    fn rate_dependent(&self) -> bool {
+        false
+    }
+
+    /// The decorated response. `inner_new` must be written by calling the inner law.
+    fn respond<S: Scalar>(&self, call: &Call<'_, S, G>, inner_new: &mut [S], new: &mut [S]) -> Response<S, G>
+    where
+        dyn PointLaw<G>: Law<S, G>;
+
+    /// Energies at a converged state.
+    fn energies(&self, call: &Call<'_, f64, G>, inner_new: &[f64], new: &[f64]) -> Energy;
+
+    /// Tangent from the inner law's hand tangent, where that is cheap.
+    fn hand_tangent(&self, _call: &Call<'_, f64, G>, _inner_new: &mut [f64], _new: &mut [f64]) -> Option<Tangent<G>> {
+        None
+    }
+}
+
+/// An inner law with a decoration around it.
+pub struct Decorated<D, const G: usize> {
+    inner: Arc<dyn PointLaw<G>>,
+    params: usize,
+    history: usize,
+    decoration: D,
+}
+
+/// Puts a decoration around a law.
+pub fn decorate<D: Decoration<G>, const G: usize>(inner: Arc<dyn PointLaw<G>>, decoration: D) -> Decorated<D, G> {
+    Decorated { params: inner.parameters().len(), history: inner.history().len(), inner, decoration }
+}
+
+impl<D, const G: usize> Decorated<D, G> {
+    #[inline]
+    fn call<'a, S>(&'a self, ctx: &'a Context, gradient: &'a [S; G], params: &'a [S], old: &'a [S]) -> Call<'a, S, G> {
+        let (base, own) = params.split_at(self.params);
+        let (inner_old, old) = old.split_at(self.history);
+        Call { inner: &*self.inner, ctx, gradient, base, own, inner_old, old }
+    }
+}
+
+impl<S: Scalar, D: Decoration<G>, const G: usize> Law<S, G> for Decorated<D, G>
+where
+    dyn PointLaw<G>: Law<S, G>,
+{
+    fn respond(
+        &self,
+        ctx: &Context,
+        gradient: &[S; G],
+        params: &[S],
+        old: &[S],
+        new: &mut [S],
+    ) -> Response<S, G> {
+        let (inner_new, new) = new.split_at_mut(self.history);
+        self.decoration.respond(&self.call(ctx, gradient, params, old), inner_new, new)
+    }
+}
+
+impl<D: Decoration<G>, const G: usize> Describe<G> for Decorated<D, G> {
+    fn parameters(&self) -> Vec<ParamSpec> {
+        let mut all = self.inner.parameters();
+        all.extend(self.decoration.parameters().into_iter().map(|mut p| {
+            p.name = format!("{}.{}", D::NAME, p.name).into();
+            p
+        }));
+        all
+    }
+
+    fn history(&self) -> Vec<HistorySpec> {
+        let mut all = self.inner.history();
+        all.extend(self.decoration.history().into_iter().map(|(name, initial)| HistorySpec {
+            name: format!("{}.{name}", D::NAME).into(),
+            initial,
+        }));
+        all
+    }
+
+    fn rate_dependent(&self) -> bool {
+        self.inner.rate_dependent() || self.decoration.rate_dependent()
+    }
+
+    fn energies(&self, ctx: &Context, gradient: &[f64; G], params: &[f64], old: &[f64], new: &[f64]) -> Energy {
+        let (inner_new, new) = new.split_at(self.history);
+        self.decoration.energies(&self.call(ctx, gradient, params, old), inner_new, new)
+    }
+
+    fn hand_tangent(
+        &self,
+        ctx: &Context,
+        gradient: &[f64; G],
+        params: &[f64],
+        old: &[f64],
+        new: &mut [f64],
+    ) -> Option<Tangent<G>> {
+        let (inner_new, new) = new.split_at_mut(self.history);
+        self.decoration.hand_tangent(&self.call(ctx, gradient, params, old), inner_new, new)
+    }
+}
+
+/// Longest parameter list that is changed on the stack.
+const SMALL: usize = 48;
+
+/// Calls `f` with a copy of `params` in which `change` has altered some entries.
+#[inline]
+pub fn with_changed<S: Scalar, R>(params: &[S], change: impl FnOnce(&mut [S]), f: impl FnOnce(&[S]) -> R) -> R {
+    if params.len() <= SMALL {
+        let mut copy = [S::zero(); SMALL];
+        copy[..params.len()].copy_from_slice(params);
+        change(&mut copy[..params.len()]);
+        f(&copy[..params.len()])
+    } else {
+        let mut copy = params.to_vec();
+        change(&mut copy);
+        f(&copy)
+    }
+}
