@@ -42,11 +42,15 @@ impl Default for NewtonOptions {
     }
 }
 
+/// Out-of-balance force below which the tangent of an iterate stands for the converged one.
+const NEAR: f64 = 1e-6;
+
 /// A converged step.
-#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Converged {
     /// Iterations (factorisations) used.
     pub iterations: usize,
+    /// Response to the grip from the last factor, if that was made next to the converged state.
+    pub border: Option<Border>,
 }
 
 /// Elongation of the load train at a force, its slope, and its new history.
@@ -159,16 +163,19 @@ impl Step<'_> {
         let (mut imbalance, mut loop_error) = self.evaluate(system, state)?;
         // The first step leaves an equilibrium for a new load: it may be as bad as it likes.
         let mut best = f64::INFINITY;
+        let mut near = None;
         for iteration in 0..=self.options.max_iterations {
             if imbalance <= self.options.tolerance && loop_error <= 1e-12 {
-                return Ok(Converged { iterations: iteration });
+                return Ok(Converged { iterations: iteration, border: near });
             }
             if iteration == self.options.max_iterations || !(imbalance < 1e12) {
                 break;
             }
             let border = Border::of(system, self.problem.multiplicity)?;
             let (du_g, du_a) = self.scalar_step(system, state, &border);
+            let close = imbalance <= NEAR;
             (imbalance, loop_error) = self.line_search(system, state, &border, (du_g, du_a), best, iteration)?;
+            near = close.then_some(border);
             best = best.min(imbalance);
         }
         Err(self.failure(&format!("out-of-balance force {imbalance:.1e} after {} iterations", self.options.max_iterations)))

@@ -236,42 +236,56 @@ impl Default for Tangent {
     }
 }
 
-/// One point's spatial response: Kirchhoff stress τ and a_ijkl = F_jJ A_iJkL F_lL.
-struct Spatial {
-    tau: [f64; 9],
-    modulus: [[f64; 9]; 9],
+/// One point's share of the tangent, laid out in lanes over the eight nodes.
+///
+/// `Lane` = one number per node; the compiler turns loops over it into vector instructions.
+type Lane = [f64; 8];
+
+struct Point {
+    /// Spatial shape gradients, by direction.
+    g: [Lane; 3],
+    /// w (g · a): for each row direction i, each column pair kl.
+    c: [[Lane; 9]; 3],
+    /// w (m g + ½ s α), by direction.
+    h: [Lane; 3],
+    /// (mean gradient − gradient)/3, by direction.
+    alpha: [Lane; 3],
+    /// Factor of g_ai g_bk.
+    share: f64,
+    /// Factor of g_ak g_bi.
+    exchange: f64,
 }
 
+/// Kirchhoff stress τ and a_ijkl = F_jJ A_iJkL F_lL.
 #[inline(always)]
-fn spatial_response(p: &[f64; 9], a: &[[f64; 9]; 9], f: &[f64; 9]) -> Spatial {
+fn spatial_response(p: &[f64; 9], a: &[[f64; 9]; 9], f: &[f64; 9]) -> ([f64; 9], [[f64; 9]; 9]) {
     let mut tau = [0.0; 9];
     for i in 0..3 {
         for j in 0..3 {
             tau[3 * i + j] = p[3 * i] * f[3 * j] + p[3 * i + 1] * f[3 * j + 1] + p[3 * i + 2] * f[3 * j + 2];
         }
     }
-    // Right index pair first: rows stay contiguous.
+    // Left pair first, over whole rows; then the right pair.
     let mut half = [[0.0; 9]; 9];
-    for row in 0..9 {
-        for k in 0..3 {
-            for l in 0..3 {
-                half[row][3 * k + l] = a[row][3 * k] * f[3 * l]
-                    + a[row][3 * k + 1] * f[3 * l + 1]
-                    + a[row][3 * k + 2] * f[3 * l + 2];
+    for i in 0..3 {
+        for j in 0..3 {
+            for c in 0..9 {
+                half[3 * i + j][c] =
+                    a[3 * i][c] * f[3 * j] + a[3 * i + 1][c] * f[3 * j + 1] + a[3 * i + 2][c] * f[3 * j + 2];
             }
         }
     }
     let mut modulus = [[0.0; 9]; 9];
-    for i in 0..3 {
-        for j in 0..3 {
-            for c in 0..9 {
-                modulus[3 * i + j][c] = half[3 * i][c] * f[3 * j]
-                    + half[3 * i + 1][c] * f[3 * j + 1]
-                    + half[3 * i + 2][c] * f[3 * j + 2];
+    for row in 0..9 {
+        for k in 0..3 {
+            for l in 0..3 {
+                modulus[row][3 * k + l] = half[row][3 * k] * f[3 * l]
+                    + half[row][3 * k + 1] * f[3 * l + 1]
+                    + half[row][3 * k + 2] * f[3 * l + 2];
             }
         }
     }
-    Spatial { tau, modulus }
+    (tau, modulus)
 }
 
 /// Residual and tangent in plain numbers: the hot loop.
@@ -295,10 +309,16 @@ pub fn tangent(
         return Err(ElementFault::Inverted { element, jacobian: k.smallest_j });
     }
     let nh = old.len() / POINTS;
-    out.residual = [0.0; DOFS];
-    out.stiffness = [0.0; PACKED];
-    let mut points: [Spatial; POINTS] =
-        std::array::from_fn(|_| Spatial { tau: [0.0; 9], modulus: [[0.0; 9]; 9] });
+    let mut points: [Point; POINTS] = std::array::from_fn(|_| Point {
+        g: [[0.0; 8]; 3],
+        c: [[[0.0; 8]; 9]; 3],
+        h: [[0.0; 8]; 3],
+        alpha: [[0.0; 8]; 3],
+        share: 0.0,
+        exchange: 0.0,
+    });
+    let mut residual = [[0.0; 8]; 3];
+    let mut mean_stress = [0.0; POINTS];
     let mut pressure = 0.0;
     for q in 0..POINTS {
         let h = q * nh..(q + 1) * nh;
@@ -307,90 +327,112 @@ pub fn tangent(
             Some(done) => done,
             None => tangent_by_jets_9(law, ctx, f, params, &old[h.clone()], &mut new[h]),
         };
-        points[q] = spatial_response(&p, &a, f);
-        pressure += geo.volumes[q] * tensor::trace(&points[q].tau) / 3.0;
+        let (tau, modulus) = spatial_response(&p, &a, f);
+        mean_stress[q] = tensor::trace(&tau) / 3.0;
+        pressure += geo.volumes[q] * mean_stress[q];
+        prepare(&k, q, geo.volumes[q], &tau, &modulus, &mut points[q], &mut residual);
     }
     if !pressure.is_finite() {
         let stretch = k.f_bar.iter().map(largest_stretch).fold(0.0, f64::max);
         return Err(ElementFault::Overflow { element, stretch });
     }
     for q in 0..POINTS {
-        add_point(&k, q, geo.volumes[q], pressure, &points[q], out);
+        points[q].share = k.current[q] / k.volume * pressure;
+        points[q].exchange = geo.volumes[q] * mean_stress[q] - points[q].share;
     }
-    add_mean(&k.mean, pressure, out);
+    let mut mean = [[0.0; 8]; 3];
+    for a in 0..8 {
+        for i in 0..3 {
+            mean[i][a] = k.mean[a][i];
+            out.residual[3 * a + i] = residual[i][a] + pressure * k.mean[a][i];
+        }
+    }
+    for a in 0..8 {
+        for i in 0..3 {
+            stiffness_row(&points, &mean, pressure, a, i, &mut out.stiffness);
+        }
+    }
     Ok(())
 }
 
-/// Contribution of one integration point to residual and stiffness.
+/// What a point contributes, in lanes over the nodes; its residual is added at once.
 #[inline(always)]
-fn add_point(k: &Kinematics<f64>, q: usize, w: f64, pressure: f64, s: &Spatial, out: &mut Tangent) {
-    let g = &k.spatial[q];
-    let p = tensor::trace(&s.tau) / 3.0;
-    let mut dev = s.tau;
+fn prepare(
+    k: &Kinematics<f64>,
+    q: usize,
+    w: f64,
+    tau: &[f64; 9],
+    modulus: &[[f64; 9]; 9],
+    point: &mut Point,
+    residual: &mut [Lane; 3],
+) {
+    let p = tensor::trace(tau) / 3.0;
+    let mut dev = *tau;
     for d in [0, 4, 8] {
         dev[d] -= p;
     }
     // m = I : a + τ (3 × 3), s = I : a : I + 3 p
-    let mut m = s.tau;
-    for (c, mc) in m.iter_mut().enumerate() {
-        *mc += s.modulus[0][c] + s.modulus[4][c] + s.modulus[8][c];
+    let mut m = *tau;
+    for c in 0..9 {
+        m[c] += modulus[0][c] + modulus[4][c] + modulus[8][c];
     }
-    let bulk = m[0] + m[4] + m[8]; // tr(I:a) + 3 p
-    let share = k.current[q] / k.volume * pressure;
-    let exchange = w * p - share;
-    // Per node: c = g·a (3 × 9), h = w (m g + ½ s α), α.
-    let mut alpha = [0.0; DOFS];
-    let mut h = [0.0; DOFS];
-    let mut c = [[0.0; 9]; DOFS];
+    let s = m[0] + m[4] + m[8];
     for a in 0..8 {
         for i in 0..3 {
-            let row = 3 * a + i;
-            out.residual[row] +=
-                w * (dev[3 * i] * g[a][0] + dev[3 * i + 1] * g[a][1] + dev[3 * i + 2] * g[a][2]);
-            alpha[row] = (k.mean[a][i] - g[a][i]) / 3.0;
-            h[row] = w * (m[3 * i] * g[a][0] + m[3 * i + 1] * g[a][1] + m[3 * i + 2] * g[a][2] + 0.5 * bulk * alpha[row]);
-            for kl in 0..9 {
-                c[row][kl] = w
-                    * (g[a][0] * s.modulus[3 * i][kl]
-                        + g[a][1] * s.modulus[3 * i + 1][kl]
-                        + g[a][2] * s.modulus[3 * i + 2][kl]);
-            }
+            point.g[i][a] = k.spatial[q][a][i];
+            point.alpha[i][a] = (k.mean[a][i] - k.spatial[q][a][i]) / 3.0;
         }
     }
-    for a in 0..8 {
-        for i in 0..3 {
-            let row = 3 * a + i;
-            let (ci, ai, hi) = (&c[row], alpha[row], h[row]);
-            let (gi, xi) = (share * g[a][i], exchange);
-            let base = packed(row, 0);
-            for b in 0..=a {
-                let gb = &g[b];
-                for kk in 0..3 {
-                    let col = 3 * b + kk;
-                    if col > row {
-                        break;
-                    }
-                    out.stiffness[base + col] += ci[3 * kk] * gb[0]
-                        + ci[3 * kk + 1] * gb[1]
-                        + ci[3 * kk + 2] * gb[2]
-                        + ai * h[col]
-                        + hi * alpha[col]
-                        + xi * g[a][kk] * gb[i]
-                        + gi * gb[kk];
-                }
+    let g = &point.g;
+    for i in 0..3 {
+        for b in 0..8 {
+            residual[i][b] += w * (dev[3 * i] * g[0][b] + dev[3 * i + 1] * g[1][b] + dev[3 * i + 2] * g[2][b]);
+            point.h[i][b] = w
+                * (m[3 * i] * g[0][b] + m[3 * i + 1] * g[1][b] + m[3 * i + 2] * g[2][b] + 0.5 * s * point.alpha[i][b]);
+        }
+        for kl in 0..9 {
+            let (m0, m1, m2) = (w * modulus[3 * i][kl], w * modulus[3 * i + 1][kl], w * modulus[3 * i + 2][kl]);
+            for b in 0..8 {
+                point.c[i][kl][b] = m0 * g[0][b] + m1 * g[1][b] + m2 * g[2][b];
             }
         }
     }
 }
 
-/// The parts that carry the mean gradient alone.
-fn add_mean(mean: &[[f64; 3]; 8], pressure: f64, out: &mut Tangent) {
-    let flat: [f64; DOFS] = std::array::from_fn(|i| mean[i / 3][i % 3]);
-    for row in 0..DOFS {
-        out.residual[row] += pressure * flat[row];
-        let f = pressure * flat[row];
-        for col in 0..=row {
-            out.stiffness[packed(row, col)] -= f * flat[col];
+/// One row of the element stiffness, summed over the points, written to the packed triangle.
+#[inline(always)]
+fn stiffness_row(points: &[Point; POINTS], mean: &[Lane; 3], pressure: f64, a: usize, i: usize, packed_out: &mut [f64; PACKED]) {
+    let mut acc = [[0.0; 8]; 3];
+    let f = pressure * mean[i][a];
+    for k in 0..3 {
+        for b in 0..8 {
+            acc[k][b] = -f * mean[k][b];
+        }
+    }
+    for point in points {
+        let (alpha, h) = (point.alpha[i][a], point.h[i][a]);
+        let share = point.share * point.g[i][a];
+        for k in 0..3 {
+            let (c0, c1, c2) = (point.c[i][3 * k][a], point.c[i][3 * k + 1][a], point.c[i][3 * k + 2][a]);
+            let exchange = point.exchange * point.g[k][a];
+            let (g, hk, ak, gi) = (&point.g, &point.h[k], &point.alpha[k], &point.g[i]);
+            for b in 0..8 {
+                acc[k][b] += c0 * g[0][b]
+                    + c1 * g[1][b]
+                    + c2 * g[2][b]
+                    + alpha * hk[b]
+                    + h * ak[b]
+                    + exchange * gi[b]
+                    + share * g[k][b];
+            }
+        }
+    }
+    let base = packed(3 * a + i, 0);
+    for b in 0..=a {
+        for (k, lane) in acc.iter().enumerate() {
+            if b < a || k <= i {
+                packed_out[base + 3 * b + k] = lane[b];
+            }
         }
     }
 }

@@ -380,7 +380,10 @@ impl March<'_> {
             }
             Err(e) => return Err(e),
         };
-        let border = Border::of(self.system, self.problem.multiplicity)?;
+        let border = match converged.border {
+            Some(b) => b,
+            None => Border::of(self.system, self.problem.multiplicity)?,
+        };
         self.check(&fresh, &border)?;
         Ok((border, converged.iterations, fresh))
     }

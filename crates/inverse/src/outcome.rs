@@ -37,7 +37,7 @@ pub struct FitOptions {
     /// First damping, relative to the diagonal of JᵀJ.
     pub initial_damping: f64,
     /// Largest change of one transformed coordinate in one step, in natural scales
-    /// ([`Free::natural_scale`]); 1.5 is a factor 4.5 for `Log`.
+    /// ([`crate::Free::natural_scale`]); 1.5 is a factor 4.5 for `Log`.
     pub max_step: f64,
     /// Ask for the jacobian with each trial (cheap when sensitivities cost little beside the run);
     /// otherwise a second run follows each accepted trial.

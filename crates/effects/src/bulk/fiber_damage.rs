@@ -1,0 +1,149 @@
+//! Fibres that lose stiffness for good once their energy passes a threshold.
+
+use crate::decorator::{Call, Decoration, decorate};
+use crate::numeric::{add_scaled, plus};
+use constitutive::{Context, Energy, Law, PointLaw, Response, Scalar};
+use hgo::{FAMILIES, FibreInvariants, Hgo};
+use model::{Action, Bulk, Card, Effect, Options, Piece, Scales, Screening, Sided, Site};
+use params::{ParamSpec, Quantity};
+use std::sync::Arc;
+
+const A: usize = 0;
+const PSI0: usize = 1;
+const SCALE: usize = 2;
+
+static CARD: Card = Card {
+    name: "fiber_damage",
+    site: Site::Bulk,
+    rank: 10,
+    summary: "Collagen fibres fail one by one beyond an energy threshold: the fibre stress is lost \
+              for good, on further loading too.",
+    law: "P = P_vol + P_matrix + Σ_f (1 − d_f) P_f,  d_f = a (1 − exp(−⟨Ψ_f,max − Ψ0⟩/s)), \
+          Ψ_f,max = largest undamaged energy of the family",
+    reference: "Balzani, Schröder & Gross 2006, Acta Biomater. 2, 609–618 (damage on the fibre term of arterial tissue)",
+    shows_in: &["load", "peak", "unload", "reload"],
+    look_alikes: &[],
+    separated_by: "cycles of growing amplitude in the intact strip: damage bends the envelope itself, Mullins leaves it",
+    excludes: &[],
+    needs: &[],
+    screening: Screening::Score(Sided::Positive),
+    negative_control: false,
+    breaks_half_height: false,
+};
+
+/// Damage of each fibre family beyond an energy threshold.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FiberDamage;
+
+fn own_parameters() -> Vec<ParamSpec> {
+    use Quantity::{Dimensionless, EnergyDensity};
+    vec![
+        ParamSpec::new("a", "a", Dimensionless, (0.0, 0.95), 0.2, "largest share of fibre stress lost").neutral(0.0),
+        ParamSpec::new("psi0", "Ψ0", EnergyDensity, (0.0, 10.0), 1e-3, "fibre energy at which damage begins"),
+        ParamSpec::new("scale", "s", EnergyDensity, (1e-8, 10.0), 1e-3, "energy over which it saturates"),
+    ]
+}
+
+impl Effect for FiberDamage {
+    fn card(&self) -> &Card {
+        &CARD
+    }
+
+    fn parameters(&self, _options: &Options) -> Vec<ParamSpec> {
+        own_parameters()
+    }
+
+    fn shapes(&self, scales: &Scales) -> Vec<Vec<f64>> {
+        // A family holds about half the energy; early and late onset, abrupt and gradual.
+        let e = 0.5 * scales.energy;
+        [(0.0, 0.3), (0.25, 0.3), (0.25, 1.0), (0.6, 0.3)]
+            .map(|(onset, scale)| vec![0.0, (onset * e).min(10.0), (scale * e).clamp(1e-8, 10.0)])
+            .to_vec()
+    }
+
+    fn start(&self, scales: &Scales) -> Vec<f64> {
+        let e = 0.5 * scales.energy;
+        vec![0.2, (0.25 * e).min(10.0), (0.5 * e).clamp(1e-8, 10.0)]
+    }
+
+    fn act(&self, _options: &Options, _piece: &Piece) -> Action {
+        Action::Bulk(Box::new(|inner| {
+            let base = base_law(&inner);
+            Arc::new(decorate(inner, Damage { base }))
+        }))
+    }
+}
+
+/// The base law among its four variants, told by its answer: the fibre term must be taken off with
+/// the same brackets and invariants it was put on with. The default where nothing matches.
+fn base_law(inner: &Bulk) -> Hgo {
+    let history: Vec<f64> = inner.history().iter().map(|h| h.initial).collect();
+    let params: Vec<f64> = inner.parameters().iter().map(|p| p.neutral.unwrap_or(p.start)).collect();
+    let answer = |law: &dyn PointLaw<9>, f: &[f64; 9]| {
+        let old = if law.history().is_empty() { &[][..] } else { &history[..] };
+        Law::<f64, 9>::respond(law, &Context::default(), f, &params, old, &mut old.to_vec()).force
+    };
+    // Shortened fibres with a change of volume: brackets and invariants both matter.
+    let probes = [[1.1, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 1.2], [1.1, 0.0, 0.0, 0.0, 1.3, 0.0, 0.0, 0.0, 0.8]];
+    let variants = [FibreInvariants::Isochoric, FibreInvariants::Full]
+        .map(|fibre_invariants| [true, false].map(|tension_only| Hgo { tension_only, fibre_invariants }));
+    variants
+        .into_iter()
+        .flatten()
+        .find(|law| probes.iter().all(|f| answer(law, f) == answer(&**inner, f)))
+        .unwrap_or_default()
+}
+
+struct Damage {
+    base: Hgo,
+}
+
+/// d_f as a function of the largest energy of the family.
+fn damage<S: Scalar>(own: &[S], psi_max: S) -> S {
+    -(own[A] * (-((psi_max - own[PSI0]).positive_part() / own[SCALE])).exp_m1())
+}
+
+/// ∫ Ψ d(d_f) up to Ψmax.
+fn lost(own: &[f64], psi_max: f64) -> f64 {
+    let (start, s) = (own[PSI0], own[SCALE]);
+    let x = (psi_max - start).max(0.0);
+    // Ψ0 + s − (Ψmax + s) e^(−x/s), in terms that do not cancel for small x.
+    own[A] * (-(start + s) * (-x / s).exp_m1() - x * (-x / s).exp())
+}
+
+impl Decoration<9> for Damage {
+    const NAME: &'static str = "fiber_damage";
+
+    fn parameters(&self) -> Vec<ParamSpec> {
+        own_parameters()
+    }
+
+    fn history(&self) -> Vec<(String, f64)> {
+        (1..=FAMILIES).map(|f| (format!("psi_max_{f}"), 0.0)).collect()
+    }
+
+    fn respond<S: Scalar>(&self, call: &Call<'_, S, 9>, inner_new: &mut [S], new: &mut [S]) -> Response<S, 9>
+    where
+        dyn PointLaw<9>: Law<S, 9>,
+    {
+        let mut r = call.inner(inner_new);
+        for family in 0..FAMILIES {
+            let fibre = hgo::fibre_response(&self.base, call.gradient, call.base, family);
+            new[family] = fibre.energy.max_of(call.old[family]);
+            let d = -damage(call.own, new[family]);
+            add_scaled(&mut r.force, d, &fibre.force);
+            r.energy = plus(r.energy, d * fibre.energy);
+        }
+        r
+    }
+
+    fn energies(&self, call: &Call<'_, f64, 9>, inner_new: &[f64], new: &[f64]) -> Energy {
+        let mut e = call.inner_energies(call.gradient, call.base, inner_new);
+        for (family, &psi_max) in new.iter().enumerate() {
+            let psi = hgo::fibre_response(&self.base, call.gradient, call.base, family).energy;
+            e.stored -= damage(call.own, psi_max) * psi;
+            e.dissipated += lost(call.own, psi_max);
+        }
+        e
+    }
+}

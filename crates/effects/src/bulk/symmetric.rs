@@ -1,0 +1,61 @@
+//! Symmetric 3 × 3 tensors [xx, yy, zz, xy, yz, xz] for stresses in the reference state.
+
+use constitutive::{Scalar, tensor};
+
+pub type Sym<S> = [S; 6];
+
+/// What the pull-back of a stress needs of F.
+pub struct Frame<S> {
+    /// J^(−2/3).
+    pub m: S,
+    /// C = FᵀF.
+    pub c: Sym<S>,
+    /// C⁻¹.
+    c_inverse: Sym<S>,
+    f_inverse: [S; 9],
+}
+
+impl<S: Scalar> Frame<S> {
+    pub fn new(f: &[S; 9]) -> Self {
+        let f_inverse = tensor::inverse(f);
+        let root = tensor::det(f).cbrt();
+        let column = |a: usize, b: usize| f[a] * f[b] + f[a + 3] * f[b + 3] + f[a + 6] * f[b + 6];
+        let row = |a: usize, b: usize| {
+            f_inverse[3 * a] * f_inverse[3 * b]
+                + f_inverse[3 * a + 1] * f_inverse[3 * b + 1]
+                + f_inverse[3 * a + 2] * f_inverse[3 * b + 2]
+        };
+        Self { m: (root * root).recip(), c: components(column), c_inverse: components(row), f_inverse }
+    }
+
+    /// Second Piola stress F⁻¹P of a first Piola stress that derives from an energy of C.
+    pub fn second_piola(&self, p: &[S; 9]) -> Sym<S> {
+        let f = &self.f_inverse;
+        components(|a, b| f[3 * a] * p[b] + f[3 * a + 1] * p[3 + b] + f[3 * a + 2] * p[6 + b])
+    }
+
+    /// Deviator with respect to C: A − (A : C)/3 C⁻¹. What is left does no work on a change of volume.
+    pub fn deviator(&self, a: &Sym<S>) -> Sym<S> {
+        let mean = dot(a, &self.c) / 3.0;
+        let mut out = *a;
+        for i in 0..6 {
+            out[i] -= self.c_inverse[i] * mean;
+        }
+        out
+    }
+}
+
+fn components<S>(at: impl Fn(usize, usize) -> S) -> Sym<S> {
+    [at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(1, 2), at(0, 2)]
+}
+
+/// A : B.
+pub fn dot<S: Scalar>(a: &Sym<S>, b: &Sym<S>) -> S {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + (a[3] * b[3] + a[4] * b[4] + a[5] * b[5]) * 2.0
+}
+
+/// F A: the first Piola stress of a second one.
+pub fn pushed<S: Scalar>(f: &[S; 9], a: &Sym<S>) -> [S; 9] {
+    let full = [a[0], a[3], a[5], a[3], a[1], a[4], a[5], a[4], a[2]];
+    tensor::mul(f, &full)
+}
