@@ -53,6 +53,19 @@ impl Measured {
     /// # Errors
     /// [`RecordError`] naming the test.
     pub fn of(model: &Model, wanted: &[bool]) -> Result<Self, RecordError> {
+        Self::with(model, wanted, false)
+    }
+
+    /// The same with the noise a sceptic would assume: correlated as much as the record allows. A
+    /// screen that trusts white noise too easily finds effects in what is only slow noise.
+    ///
+    /// # Errors
+    /// As [`Measured::of`].
+    pub fn cautious(model: &Model, wanted: &[bool]) -> Result<Self, RecordError> {
+        Self::with(model, wanted, true)
+    }
+
+    fn with(model: &Model, wanted: &[bool], cautious: bool) -> Result<Self, RecordError> {
         let mut parts = Vec::new();
         let mut slots = Vec::new();
         for (t, test) in model.tests.iter().enumerate() {
@@ -64,7 +77,7 @@ impl Measured {
                 }
                 let rows: Vec<usize> = measured.iter().map(|m| m.0).collect();
                 let values: Vec<f64> = measured.iter().map(|m| m.1).collect();
-                let noise = noise_of(model, t, channel, &rows, &values)?;
+                let noise = noise_of(model, t, channel, &rows, &values, cautious)?;
                 let name = match channel {
                     Channel::Force => test.test.name.clone(),
                     _ => format!("{}.{}", test.test.name, channel.word()),
@@ -92,7 +105,7 @@ impl Measured {
 }
 
 /// Noise of one channel: as the file says, else estimated from the record itself.
-fn noise_of(model: &Model, t: usize, channel: Channel, rows: &[usize], values: &[f64]) -> Result<NoiseModel, RecordError> {
+fn noise_of(model: &Model, t: usize, channel: Channel, rows: &[usize], values: &[f64], cautious: bool) -> Result<NoiseModel, RecordError> {
     let test = &model.tests[t].test;
     let given = match channel {
         Channel::Force => test.force_sd,
@@ -115,5 +128,6 @@ fn noise_of(model: &Model, t: usize, channel: Channel, rows: &[usize], values: &
     })?;
     // A record without any noise (computed, or rounded) still has the rounding of its digits.
     let peak = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    Ok(NoiseModel { sd: estimate.sd.max(1e-6 * peak).max(1e-12), ar1: estimate.ar1, nuisance: Vec::new() })
+    let (sd, ar1) = if cautious { (estimate.cautious_sd, estimate.cautious_ar1) } else { (estimate.sd, estimate.ar1) };
+    Ok(NoiseModel { sd: sd.max(1e-6 * peak).max(1e-12), ar1, nuisance: Vec::new() })
 }

@@ -133,7 +133,7 @@ pub fn run_options(case: &Case) -> RunOptions {
 }
 
 /// The stages of a case: which parameters on which tests.
-fn stages(model: &Model, mode: Mode) -> Vec<(Stage, Vec<usize>, Vec<bool>)> {
+pub(crate) fn stages(model: &Model, mode: Mode) -> Vec<(Stage, Vec<usize>, Vec<bool>)> {
     let has = |k: TestKind| model.tests.iter().any(|t| t.test.kind == k && t.test.record.is_some());
     let (uniaxial, tearing) = (has(TestKind::Uniaxial), has(TestKind::Tearing));
     let all: Vec<bool> = model.tests.iter().map(|t| t.test.record.is_some()).collect();
@@ -170,21 +170,15 @@ pub fn identify(case: Arc<Case>, catalogue: &Catalogue, control: &Control) -> Re
     let options = run_options(&case);
     let wanted: Vec<bool> = fine.tests.iter().map(|t| t.test.record.is_some()).collect();
     let measured = Measured::of(&fine, &wanted)?;
-    let mut work = Work {
-        theta: fine.theta(),
-        history: Vec::new(),
-        stopped: Vec::new(),
-        runs: 0,
-        iterations: 0,
-        control,
-        case: &case,
-        options,
-        held: None,
-        starts: None,
-    };
+    let mut work = Work::new(&case, fine.theta(), options, control);
     let list = stages(&fine, case.identify.mode);
     if list.is_empty() {
         return Err(AnalysisError::Case("no parameter is free".into()));
+    }
+    if case.identify.coarse_first {
+        if let Some(start) = crate::start::one_area(&case, catalogue, &mut work, &list)? {
+            crate::start::spread(&fine, &start, &mut work.theta);
+        }
     }
     if let Some(coarse) = coarse.as_ref().filter(|_| case.identify.coarse_first) {
         for (stage, free, tests) in &list {
@@ -199,18 +193,24 @@ pub fn identify(case: Arc<Case>, catalogue: &Catalogue, control: &Control) -> Re
     work.finish(fine, coarse, measured, &list)
 }
 
+/// The case with a mesh of about half the divisions, where the file gives divisions; otherwise the
+/// same case (its sizes are coarsened by [`Discretisation`]).
+pub(crate) fn coarse_case(case: &Case) -> Case {
+    let mut coarser = case.clone();
+    if let Some(d) = coarser.mesh.divisions {
+        let half = |n: usize| if n > 2 { n.div_ceil(2) } else { n };
+        coarser.mesh.divisions = Some([half(d[0]), (half(d[1]) + half(d[1]) % 2).min(d[1]), half(d[2])]);
+    }
+    coarser
+}
+
 /// The same model on a mesh twice as coarse; `None` where the file gives divisions that cannot be
 /// halved.
 fn coarse_model(case: &Arc<Case>, catalogue: &Catalogue) -> Result<Option<Model>, AnalysisError> {
     let how = Discretisation { coarsen: 2.0, ..Discretisation::default() };
-    let mut coarser = (**case).clone();
-    if let Some(d) = coarser.mesh.divisions {
-        let half = |n: usize| if n > 2 { n.div_ceil(2) } else { n };
-        let even = half(d[1]) + half(d[1]) % 2;
-        coarser.mesh.divisions = Some([half(d[0]), even, half(d[2])]);
-        if coarser.mesh.divisions == Some(d) {
-            return Ok(None);
-        }
+    let coarser = coarse_case(case);
+    if case.mesh.divisions.is_some() && coarser.mesh == case.mesh {
+        return Ok(None);
     }
     match Model::new(Arc::new(coarser), catalogue, how) {
         Ok(m) => Ok(Some(m)),
@@ -220,16 +220,19 @@ fn coarse_model(case: &Arc<Case>, catalogue: &Catalogue) -> Result<Option<Model>
     }
 }
 
-struct Work<'a> {
-    theta: Vec<f64>,
+/// Newton iterations a trial run may take: about five times what a smooth tear needs.
+pub(crate) const TRIAL_BUDGET: usize = 2500;
+
+pub(crate) struct Work<'a> {
+    pub theta: Vec<f64>,
     history: Vec<HistoryEntry>,
     stopped: Vec<(Stage, String, bool)>,
     runs: usize,
     iterations: usize,
     control: &'a Control<'a>,
-    case: &'a Case,
+    pub case: &'a Case,
     options: RunOptions,
-    held: Option<(Fit, Data, Vec<Free>, Vec<usize>)>,
+    held: Option<()>,
     starts: Option<String>,
 }
 
@@ -240,8 +243,23 @@ pub fn frees(model: &Model, theta: &[f64], free: &[usize]) -> Vec<Free> {
         .collect()
 }
 
-impl Work<'_> {
-    fn stage(&mut self, model: &Model, stage: Stage, free: &[usize], tests: &[bool], coarse: bool) -> Result<(), AnalysisError> {
+impl<'a> Work<'a> {
+    pub fn new(case: &'a Case, theta: Vec<f64>, options: RunOptions, control: &'a Control<'a>) -> Self {
+        Self {
+            theta,
+            history: Vec::new(),
+            stopped: Vec::new(),
+            runs: 0,
+            iterations: 0,
+            control,
+            case,
+            options,
+            held: None,
+            starts: None,
+        }
+    }
+
+    pub fn stage(&mut self, model: &Model, stage: Stage, free: &[usize], tests: &[bool], coarse: bool) -> Result<f64, AnalysisError> {
         let measured = Measured::of(model, tests)?;
         let list = frees(model, &self.theta, free);
         let paths: Vec<String> = list.iter().map(|f| f.path.clone()).collect();
@@ -252,8 +270,14 @@ impl Work<'_> {
             objective,
             tolerance: if coarse { 1e-4 } else { self.case.identify.tolerance },
             max_iterations: self.case.identify.max_iterations,
+            // Strengths of neighbouring areas trade against each other: a bold first step makes the
+            // tear jump, and a jump tells the search nothing.
+            initial_damping: if stage == Stage::Bulk { 1e-3 } else { 3e-2 },
+            max_step: if stage == Stage::Bulk { 1.5 } else { 0.5 },
             ..FitOptions::default()
         };
+        let mut problem = problem;
+        problem.options.march.budget = TRIAL_BUDGET;
         let (progress, history) = (self.control.progress, &mut self.history);
         let mut observer = |iterate: &Iterate| {
             progress(&Progress { stage, coarse, iterate, paths: &paths });
@@ -268,9 +292,9 @@ impl Work<'_> {
         }
         self.stopped.push((stage, fit.stop.sentence().to_owned(), fit.stop.converged()));
         if stage == Stage::Bulk && !coarse {
-            self.held = Some((fit, measured.data, list, free.to_vec()));
+            self.held = Some(());
         }
-        Ok(())
+        Ok(fit.f)
     }
 
     /// All data at the end: quality, numerical error, intervals.

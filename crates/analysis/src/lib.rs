@@ -1,12 +1,21 @@
 //! The loop on a specimen: identify, compare, diagnose, add, discover.
 #![warn(missing_docs)]
 
+mod columns;
+pub mod compare;
 mod data;
 mod identify;
+mod ladder;
+mod priors;
 mod problem;
+mod simulate;
+mod start;
 
 pub use data::{Measured, RecordError, Slot};
 pub use identify::{
     AnalysisError, Control, HistoryEntry, Identified, Progress, Stage, frees, identify, run_options,
 };
+pub use columns::{Base, Screened, scales};
+pub use ladder::{FeLadder, Fitted};
 pub use problem::{Cancelled, FeProblem};
+pub use simulate::{SimulateControl, Simulated, SimulatedTest, replay, simulate};

@@ -89,7 +89,12 @@ pub trait Decoration<const G: usize>: Send + Sync + 'static {
     fn energies(&self, call: &Call<'_, f64, G>, inner_new: &[f64], new: &[f64]) -> Energy;
 
     /// Tangent from the inner law's hand tangent, where that is cheap.
-    fn hand_tangent(&self, _call: &Call<'_, f64, G>, _inner_new: &mut [f64], _new: &mut [f64]) -> Option<Tangent<G>> {
+    fn hand_tangent(
+        &self,
+        _call: &Call<'_, f64, G>,
+        _inner_new: &mut [f64],
+        _new: &mut [f64],
+    ) -> Option<Tangent<G>> {
         None
     }
 }
@@ -103,13 +108,22 @@ pub struct Decorated<D, const G: usize> {
 }
 
 /// Puts a decoration around a law.
-pub fn decorate<D: Decoration<G>, const G: usize>(inner: Arc<dyn PointLaw<G>>, decoration: D) -> Decorated<D, G> {
+pub fn decorate<D: Decoration<G>, const G: usize>(
+    inner: Arc<dyn PointLaw<G>>,
+    decoration: D,
+) -> Decorated<D, G> {
     Decorated { params: inner.parameters().len(), history: inner.history().len(), inner, decoration }
 }
 
 impl<D, const G: usize> Decorated<D, G> {
     #[inline]
-    fn call<'a, S>(&'a self, ctx: &'a Context, gradient: &'a [S; G], params: &'a [S], old: &'a [S]) -> Call<'a, S, G> {
+    fn call<'a, S>(
+        &'a self,
+        ctx: &'a Context,
+        gradient: &'a [S; G],
+        params: &'a [S],
+        old: &'a [S],
+    ) -> Call<'a, S, G> {
         let (base, own) = params.split_at(self.params);
         let (inner_old, old) = old.split_at(self.history);
         Call { inner: &*self.inner, ctx, gradient, base, own, inner_old, old }
@@ -145,10 +159,12 @@ impl<D: Decoration<G>, const G: usize> Describe<G> for Decorated<D, G> {
 
     fn history(&self) -> Vec<HistorySpec> {
         let mut all = self.inner.history();
-        all.extend(self.decoration.history().into_iter().map(|(name, initial)| HistorySpec {
-            name: format!("{}.{name}", D::NAME).into(),
-            initial,
-        }));
+        all.extend(
+            self.decoration
+                .history()
+                .into_iter()
+                .map(|(name, initial)| HistorySpec { name: format!("{}.{name}", D::NAME).into(), initial }),
+        );
         all
     }
 
@@ -156,7 +172,14 @@ impl<D: Decoration<G>, const G: usize> Describe<G> for Decorated<D, G> {
         self.inner.rate_dependent() || self.decoration.rate_dependent()
     }
 
-    fn energies(&self, ctx: &Context, gradient: &[f64; G], params: &[f64], old: &[f64], new: &[f64]) -> Energy {
+    fn energies(
+        &self,
+        ctx: &Context,
+        gradient: &[f64; G],
+        params: &[f64],
+        old: &[f64],
+        new: &[f64],
+    ) -> Energy {
         let (inner_new, new) = new.split_at(self.history);
         self.decoration.energies(&self.call(ctx, gradient, params, old), inner_new, new)
     }
@@ -179,7 +202,11 @@ const SMALL: usize = 48;
 
 /// Calls `f` with a copy of `params` in which `change` has altered some entries.
 #[inline]
-pub fn with_changed<S: Scalar, R>(params: &[S], change: impl FnOnce(&mut [S]), f: impl FnOnce(&[S]) -> R) -> R {
+pub fn with_changed<S: Scalar, R>(
+    params: &[S],
+    change: impl FnOnce(&mut [S]),
+    f: impl FnOnce(&[S]) -> R,
+) -> R {
     if params.len() <= SMALL {
         let mut copy = [S::zero(); SMALL];
         copy[..params.len()].copy_from_slice(params);

@@ -47,6 +47,9 @@ pub struct MarchOptions {
     pub arc_step: f64,
     /// Follow the equilibrium path instead of standing at planned displacements.
     pub follow_path: bool,
+    /// Newton iterations after which a run is given up (a search need not wait for a hopeless
+    /// trial).
+    pub budget: usize,
 }
 
 impl Default for MarchOptions {
@@ -59,6 +62,7 @@ impl Default for MarchOptions {
             keep_states: false,
             arc_step: 0.05,
             follow_path: false,
+            budget: usize::MAX,
         }
     }
 }
@@ -331,6 +335,7 @@ impl March<'_> {
                     done = end;
                     share *= if iterations <= 5 { 2.0 } else { 1.0 };
                 }
+                Err(e @ FemError::Setup(_)) => return Err(e),
                 Err(e) => {
                     share *= 0.5;
                     if share < self.options.min_step_fraction || travel == 0.0 {
@@ -423,6 +428,9 @@ impl March<'_> {
     }
 
     pub fn newton(&mut self, ctx: Context, control: Control, fresh: &mut State) -> Result<crate::equilibrium::Converged, FemError> {
+        if self.run.iterations > self.options.budget {
+            return Err(FemError::Setup(format!("more than {} Newton iterations", self.options.budget)));
+        }
         let step = Step {
             problem: self.problem,
             local: &self.local,

@@ -94,6 +94,7 @@ impl Walk {
                     }
                     return Ok(());
                 }
+                Err(e @ FemError::Setup(_)) => return Err(e),
                 Err(e) => {
                     self.length *= 0.5;
                     self.before = None;

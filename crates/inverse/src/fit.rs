@@ -75,7 +75,7 @@ impl<P: Problem + ?Sized> Search<'_, P> {
         }
         let zero = 1e-24 * self.objective_map.apply(&self.data.measured()).norm_squared();
         let mut damping = Damping::new(self.options.initial_damping);
-        let mut small = 0;
+        let (mut small, mut idle) = (0, 0);
         for iteration in 1..=self.options.max_iterations {
             if state.f <= zero {
                 return Ok(self.finish(state, iteration - 1, StopReason::Exact));
@@ -94,7 +94,12 @@ impl<P: Problem + ?Sized> Search<'_, P> {
                 }
             };
             let change = (state.f - next.f) / state.f;
+            let told = (state.f - next.f) / self.unit();
             state = next;
+            idle = if told < self.options.insignificant { idle + 1 } else { 0 };
+            if idle >= 3 {
+                return Ok(self.finish(state, iteration, StopReason::Insignificant));
+            }
             if change < self.options.tolerance {
                 small += 1;
                 if self.promise(&state) < 10.0 * self.options.tolerance {
@@ -110,6 +115,14 @@ impl<P: Problem + ?Sized> Search<'_, P> {
         let n = self.options.max_iterations;
         let reason = if state.f <= zero { StopReason::Exact } else { StopReason::MaxIterations };
         Ok(self.finish(state, n, reason))
+    }
+
+    /// The objective that one unit of χ² stands for.
+    fn unit(&self) -> f64 {
+        match self.options.objective {
+            crate::Objective::Whitened => 1.0,
+            crate::Objective::PaperSum => self.data.blocks.iter().map(|b| b.noise.sd.powi(2)).fold(f64::INFINITY, f64::min),
+        }
     }
 
     /// Relative fall that an almost undamped step promises.

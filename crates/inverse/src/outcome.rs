@@ -30,6 +30,8 @@ pub struct FitOptions {
     pub objective: Objective,
     /// Stop when the relative change of f falls below this.
     pub tolerance: f64,
+    /// A step that changes χ² by less than this tells nothing: three in a row end the search. 0: off.
+    pub insignificant: f64,
     /// Largest number of accepted steps.
     pub max_iterations: usize,
     /// Largest number of trials for one step.
@@ -49,6 +51,7 @@ impl Default for FitOptions {
         Self {
             objective: Objective::Whitened,
             tolerance: 1e-6,
+            insignificant: 0.02,
             max_iterations: 30,
             max_trials: 20,
             initial_damping: 1e-3,
@@ -85,6 +88,8 @@ pub enum StopReason {
     /// f creeps: three steps in a row changed it by less than the tolerance, though the linear model
     /// promises more (a sloppy valley).
     Flat,
+    /// Three steps in a row changed χ² by less than what noise could ever tell apart.
+    Insignificant,
     /// No trial lowered f, though the linear model promises a fall (an objective rougher than its derivative).
     NoDescent,
     /// The largest number of iterations was reached.
@@ -98,7 +103,7 @@ pub enum StopReason {
 impl StopReason {
     /// Whether the iterate may be taken for a local optimum.
     pub fn converged(&self) -> bool {
-        matches!(self, Self::Converged | Self::Stationary | Self::Exact | Self::Flat | Self::NothingFree)
+        matches!(self, Self::Converged | Self::Stationary | Self::Exact | Self::Flat | Self::Insignificant | Self::NothingFree)
     }
 
     /// The reason as a sentence.
@@ -107,6 +112,9 @@ impl StopReason {
             Self::Converged => "The relative change of f fell below the tolerance.",
             Self::Stationary => "No direction within the bounds lowers f any further.",
             Self::Exact => "The model reproduces the data to rounding.",
+            Self::Insignificant => {
+                "Three steps in a row changed χ² by less than 0.02: no noise could tell their ends apart (a sloppy valley)."
+            }
             Self::Flat => {
                 "f changes by less than the tolerance from step to step along a direction that the data hardly fix."
             }

@@ -426,6 +426,23 @@ impl Model {
     }
 }
 
+impl Model {
+    /// How late the force of a test is recorded, s: all sensors together.
+    pub fn sensor_delay(&self, test: usize, theta: &[f64]) -> f64 {
+        self.tests[test].sensors.iter().map(|(sensor, ids)| sensor.delay(&pick(theta, ids)).0).sum()
+    }
+
+    /// What is recorded for a true force: through all sensors in order.
+    pub fn sensor_reading(&self, test: usize, theta: &[f64], at: &Sample, force: f64) -> f64 {
+        let sensors = &self.tests[test].sensors;
+        sensors.iter().fold(force, |force, (sensor, ids)| sensor.reading(at, force, &pick(theta, ids)).value)
+    }
+}
+
+fn pick(theta: &[f64], ids: &[usize]) -> Vec<f64> {
+    ids.iter().map(|&i| theta[i]).collect()
+}
+
 fn missing(run: &Run) -> FemError {
     run.failure.clone().unwrap_or_else(|| FemError::Setup("the run does not reach every point of the record".into()))
 }

@@ -38,7 +38,8 @@ pub struct FiberDamage;
 fn own_parameters() -> Vec<ParamSpec> {
     use Quantity::{Dimensionless, EnergyDensity};
     vec![
-        ParamSpec::new("a", "a", Dimensionless, (0.0, 0.95), 0.2, "largest share of fibre stress lost").neutral(0.0),
+        ParamSpec::new("a", "a", Dimensionless, (0.0, 0.95), 0.2, "largest share of fibre stress lost")
+            .neutral(0.0),
         ParamSpec::new("psi0", "Ψ0", EnergyDensity, (0.0, 10.0), 1e-3, "fibre energy at which damage begins"),
         ParamSpec::new("scale", "s", EnergyDensity, (1e-8, 10.0), 1e-3, "energy over which it saturates"),
     ]
@@ -84,7 +85,8 @@ fn base_law(inner: &Bulk) -> Hgo {
         Law::<f64, 9>::respond(law, &Context::default(), f, &params, old, &mut old.to_vec()).force
     };
     // Shortened fibres with a change of volume: brackets and invariants both matter.
-    let probes = [[1.1, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 1.2], [1.1, 0.0, 0.0, 0.0, 1.3, 0.0, 0.0, 0.0, 0.8]];
+    let probes =
+        [[1.1, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 1.2], [1.1, 0.0, 0.0, 0.0, 1.3, 0.0, 0.0, 0.0, 0.8]];
     let variants = [FibreInvariants::Isochoric, FibreInvariants::Full]
         .map(|fibre_invariants| [true, false].map(|tension_only| Hgo { tension_only, fibre_invariants }));
     variants
@@ -127,10 +129,10 @@ impl Decoration<9> for Damage {
         dyn PointLaw<9>: Law<S, 9>,
     {
         let mut r = call.inner(inner_new);
-        for family in 0..FAMILIES {
+        for (family, (psi_max, old)) in new.iter_mut().zip(call.old).enumerate() {
             let fibre = hgo::fibre_response(&self.base, call.gradient, call.base, family);
-            new[family] = fibre.energy.max_of(call.old[family]);
-            let d = -damage(call.own, new[family]);
+            *psi_max = fibre.energy.max_of(*old);
+            let d = -damage(call.own, *psi_max);
             add_scaled(&mut r.force, d, &fibre.force);
             r.energy = plus(r.energy, d * fibre.energy);
         }

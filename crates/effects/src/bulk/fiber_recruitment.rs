@@ -34,8 +34,15 @@ pub struct FiberRecruitment;
 
 fn own_parameters() -> Vec<ParamSpec> {
     vec![
-        ParamSpec::new("onset", "E_r", Quantity::Dimensionless, (0.0, 1.0), 0.02, "fibre strain at recruitment")
-            .neutral(0.0),
+        ParamSpec::new(
+            "onset",
+            "E_r",
+            Quantity::Dimensionless,
+            (0.0, 1.0),
+            0.02,
+            "fibre strain at recruitment",
+        )
+        .neutral(0.0),
     ]
 }
 
@@ -86,7 +93,12 @@ impl Decoration<9> for Recruitment {
         shifted(call.base, call.own[0], |p| call.inner_energies(call.gradient, p, inner_new))
     }
 
-    fn hand_tangent(&self, call: &Call<'_, f64, 9>, inner_new: &mut [f64], _new: &mut [f64]) -> Option<Tangent<9>> {
+    fn hand_tangent(
+        &self,
+        call: &Call<'_, f64, 9>,
+        inner_new: &mut [f64],
+        _new: &mut [f64],
+    ) -> Option<Tangent<9>> {
         shifted(call.base, call.own[0], |p| call.inner_tangent(call.gradient, p, inner_new))
     }
 }

@@ -40,7 +40,14 @@ fn own_parameters() -> Vec<ParamSpec> {
     vec![
         ParamSpec::new("a", "a", Dimensionless, (0.0, 0.95), 0.2, "largest loss of isochoric stress, 1/r")
             .neutral(0.0),
-        ParamSpec::new("m", "m", EnergyDensity, (1e-8, 1.0), 1e-4, "energy distance over which softening sets in"),
+        ParamSpec::new(
+            "m",
+            "m",
+            EnergyDensity,
+            (1e-8, 1.0),
+            1e-4,
+            "energy distance over which softening sets in",
+        ),
         ParamSpec::new("beta", "β", Dimensionless, (0.0, 5.0), 0.3, "share of Ψmax in that distance").fixed(),
     ]
 }

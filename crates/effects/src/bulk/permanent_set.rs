@@ -32,8 +32,15 @@ pub struct PermanentSet;
 
 fn own_parameters() -> Vec<ParamSpec> {
     vec![
-        ParamSpec::new("a", "a", Quantity::Dimensionless, (0.0, 0.8), 0.05, "residual share of the largest stretch")
-            .neutral(0.0),
+        ParamSpec::new(
+            "a",
+            "a",
+            Quantity::Dimensionless,
+            (0.0, 0.8),
+            0.05,
+            "residual share of the largest stretch",
+        )
+        .neutral(0.0),
     ]
 }
 
@@ -121,7 +128,12 @@ impl Decoration<9> for Set {
         Energy { dissipated: inner.dissipated + new[LOST], ..inner }
     }
 
-    fn hand_tangent(&self, call: &Call<'_, f64, 9>, inner_new: &mut [f64], new: &mut [f64]) -> Option<Tangent<9>> {
+    fn hand_tangent(
+        &self,
+        call: &Call<'_, f64, 9>,
+        inner_new: &mut [f64],
+        new: &mut [f64],
+    ) -> Option<Tangent<9>> {
         let (by, ln_set) = inverse_set(call.own[0], call.old[STRETCH]);
         let f_e = scale_columns(call.gradient, &by);
         let (p, mut a) = call.inner_tangent(&f_e, call.base, inner_new)?;

@@ -31,8 +31,15 @@ pub struct StiffnessDrift;
 
 fn own_parameters() -> Vec<ParamSpec> {
     vec![
-        ParamSpec::new("c", "c", Quantity::Rate, (-0.05, 0.05), 1e-4, "relative change of stiffness per second")
-            .neutral(0.0),
+        ParamSpec::new(
+            "c",
+            "c",
+            Quantity::Rate,
+            (-0.05, 0.05),
+            1e-4,
+            "relative change of stiffness per second",
+        )
+        .neutral(0.0),
     ]
 }
 
@@ -99,8 +106,7 @@ impl Decoration<9> for Ageing {
         let f = factor(call.own[0], call.ctx.time);
         new[FACTOR] = f;
         new[ENERGY] = r.energy;
-        new[PARAMETRIC] =
-            call.old[PARAMETRIC] + (r.energy + call.old[ENERGY]) * 0.5 * (f - call.old[FACTOR]);
+        new[PARAMETRIC] = call.old[PARAMETRIC] + (r.energy + call.old[ENERGY]) * 0.5 * (f - call.old[FACTOR]);
         r.force = r.force.map(|p| p * f);
         r.energy = r.energy * f;
         r
@@ -113,7 +119,12 @@ impl Decoration<9> for Ageing {
         Energy { stored: inner.stored * new[FACTOR], dissipated: inner.dissipated * new[FACTOR] }
     }
 
-    fn hand_tangent(&self, call: &Call<'_, f64, 9>, inner_new: &mut [f64], new: &mut [f64]) -> Option<Tangent<9>> {
+    fn hand_tangent(
+        &self,
+        call: &Call<'_, f64, 9>,
+        inner_new: &mut [f64],
+        new: &mut [f64],
+    ) -> Option<Tangent<9>> {
         let (mut p, mut a) = call.inner_tangent(call.gradient, call.base, inner_new)?;
         let energy = call.inner(inner_new).energy;
         let f = factor(call.own[0], call.ctx.time);

@@ -37,11 +37,7 @@ impl<S: Scalar> Frame<S> {
     /// Deviator with respect to C: A − (A : C)/3 C⁻¹. What is left does no work on a change of volume.
     pub fn deviator(&self, a: &Sym<S>) -> Sym<S> {
         let mean = dot(a, &self.c) / 3.0;
-        let mut out = *a;
-        for i in 0..6 {
-            out[i] -= self.c_inverse[i] * mean;
-        }
-        out
+        std::array::from_fn(|i| a[i] - self.c_inverse[i] * mean)
     }
 }
 

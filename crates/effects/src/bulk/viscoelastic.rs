@@ -43,10 +43,19 @@ fn branches(options: &Options) -> usize {
 }
 
 fn own_parameters(branches: usize) -> Vec<ParamSpec> {
-    let tau = |start| ParamSpec::new("tau", "τ", Quantity::Time, TAU_BOUNDS, start, "relaxation time of the branch");
+    let tau = |start| {
+        ParamSpec::new("tau", "τ", Quantity::Time, TAU_BOUNDS, start, "relaxation time of the branch")
+    };
     let g = || {
-        ParamSpec::new("g", "g", Quantity::Dimensionless, (0.0, 5.0), 0.2, "instantaneous over long-term stress, less one")
-            .neutral(0.0)
+        ParamSpec::new(
+            "g",
+            "g",
+            Quantity::Dimensionless,
+            (0.0, 5.0),
+            0.2,
+            "instantaneous over long-term stress, less one",
+        )
+        .neutral(0.0)
     };
     (0..branches)
         .flat_map(|b| {
@@ -83,7 +92,10 @@ impl Effect for Viscoelastic {
     fn shapes(&self, scales: &Scales) -> Vec<Vec<f64>> {
         // What a record can tell lies between two samples and the whole test.
         let low = (2.0 * scales.sampling).max(scales.duration / 300.0);
-        spread(low, scales.duration, 6).into_iter().map(|tau| vec![0.0, tau.clamp(TAU_BOUNDS.0, TAU_BOUNDS.1)]).collect()
+        spread(low, scales.duration, 6)
+            .into_iter()
+            .map(|tau| vec![0.0, tau.clamp(TAU_BOUNDS.0, TAU_BOUNDS.1)])
+            .collect()
     }
 
     fn start(&self, scales: &Scales) -> Vec<f64> {
@@ -144,7 +156,10 @@ impl Decoration<9> for Maxwell {
             all.extend(COMPONENTS.map(|c| (format!("h{b}_{c}"), 0.0)));
         }
         all.extend(COMPONENTS.map(|c| (format!("s_iso_{c}"), 0.0)));
-        all.extend(COMPONENTS.map(|c| (format!("c_iso_{c}"), if c.as_bytes()[0] == c.as_bytes()[1] { 1.0 } else { 0.0 })));
+        all.extend(
+            COMPONENTS
+                .map(|c| (format!("c_iso_{c}"), if c.as_bytes()[0] == c.as_bytes()[1] { 1.0 } else { 0.0 })),
+        );
         all.push(("work".into(), 0.0));
         all
     }
@@ -193,7 +208,8 @@ impl Decoration<9> for Maxwell {
     /// Lost: the work done on the branches less what their springs hold.
     fn energies(&self, call: &Call<'_, f64, 9>, inner_new: &[f64], new: &[f64]) -> Energy {
         let inner = call.inner_energies(call.gradient, call.base, inner_new);
-        let springs = self.spring_energy(call, inner_new, new);
+        // An estimate where fibres stiffen: never more than the work that was put in.
+        let springs = self.spring_energy(call, inner_new, new).min(new[self.work()].max(0.0));
         Energy { stored: inner.stored + springs, dissipated: inner.dissipated + new[self.work()] - springs }
     }
 }

@@ -40,8 +40,16 @@ pub struct Bridging;
 
 fn own_parameters() -> Vec<ParamSpec> {
     vec![
-        ParamSpec::new("sigma_b", "σb", Quantity::Stress, (0.0, 100.0), 0.02, "largest bridging traction").neutral(0.0),
-        ParamSpec::new("delta_b", "δb", Quantity::Length, LENGTHS, 2.0, "opening of the largest bridging traction"),
+        ParamSpec::new("sigma_b", "σb", Quantity::Stress, (0.0, 100.0), 0.02, "largest bridging traction")
+            .neutral(0.0),
+        ParamSpec::new(
+            "delta_b",
+            "δb",
+            Quantity::Length,
+            LENGTHS,
+            2.0,
+            "opening of the largest bridging traction",
+        ),
     ]
 }
 

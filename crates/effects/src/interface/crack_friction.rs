@@ -33,8 +33,15 @@ pub struct CrackFriction;
 
 fn own_parameters() -> Vec<ParamSpec> {
     vec![
-        ParamSpec::new("mu", "μ", Quantity::Dimensionless, (0.0, 1.0), 0.1, "friction coefficient of closed faces")
-            .neutral(0.0),
+        ParamSpec::new(
+            "mu",
+            "μ",
+            Quantity::Dimensionless,
+            (0.0, 1.0),
+            0.1,
+            "friction coefficient of closed faces",
+        )
+        .neutral(0.0),
     ]
 }
 

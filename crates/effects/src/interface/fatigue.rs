@@ -32,8 +32,15 @@ pub struct Fatigue;
 
 fn own_parameters() -> Vec<ParamSpec> {
     vec![
-        ParamSpec::new("a", "a", Quantity::Dimensionless, (0.0, 20.0), 0.2, "damage per reloading by δc at full strength")
-            .neutral(0.0),
+        ParamSpec::new(
+            "a",
+            "a",
+            Quantity::Dimensionless,
+            (0.0, 20.0),
+            0.2,
+            "damage per reloading by δc at full strength",
+        )
+        .neutral(0.0),
     ]
 }
 

@@ -39,10 +39,18 @@ pub struct Heterogeneity;
 fn own_parameters() -> Vec<ParamSpec> {
     use Quantity::Dimensionless;
     vec![
-        ParamSpec::new("a", "a", Dimensionless, (-0.9, 0.9), 0.2, "relative change of strength along the path")
-            .neutral(0.0),
+        ParamSpec::new(
+            "a",
+            "a",
+            Dimensionless,
+            (-0.9, 0.9),
+            0.2,
+            "relative change of strength along the path",
+        )
+        .neutral(0.0),
         // One amplitude for both is the simplest reading: δc stays the same along the path.
-        ParamSpec::new("gc_share", "r", Dimensionless, (-1.0, 1.0), 1.0, "change of Gc over change of σc").fixed(),
+        ParamSpec::new("gc_share", "r", Dimensionless, (-1.0, 1.0), 1.0, "change of Gc over change of σc")
+            .fixed(),
     ]
 }
 
@@ -114,7 +122,12 @@ impl Decoration<3> for Field {
         self.shifted(call, |p| call.inner_energies(call.gradient, p, inner_new))
     }
 
-    fn hand_tangent(&self, call: &Call<'_, f64, 3>, inner_new: &mut [f64], _new: &mut [f64]) -> Option<Tangent<3>> {
+    fn hand_tangent(
+        &self,
+        call: &Call<'_, f64, 3>,
+        inner_new: &mut [f64],
+        _new: &mut [f64],
+    ) -> Option<Tangent<3>> {
         self.shifted(call, |p| call.inner_tangent(call.gradient, p, inner_new))
     }
 }

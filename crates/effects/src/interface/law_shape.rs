@@ -17,7 +17,8 @@ static CARD: Card = Card {
     summary: "The softening of the tear follows another curve than the exponential one, at the same \
               strength and fracture energy: blunt and long (n < 1) or narrow about its peak (n > 1).",
     law: "t = σc (δ/δc)ⁿ exp(1 − (δ/δc)ⁿ),  peak σc at δc,  Gc = e σc δc Γ(1 + 1/n)/n fixes δc;  n = 1 is the \
-          base law.  Below 10⁻³ δc the secant is held, so that the initial stiffness is finite",
+          base law.  Below 10⁻³ δc the secant is held, so that the initial stiffness is finite; unloading follows \
+          the secant of δmax, or the curve where that lies lower (n > 1, small openings)",
     reference: "cohesive-law shape studies; exponential base law: Ortiz & Pandolfi 1999",
     shows_in: &["onset", "peak", "tail"],
     look_alikes: &["cut_length"],
@@ -35,7 +36,8 @@ pub struct LawShape;
 
 fn own_parameters() -> Vec<ParamSpec> {
     vec![
-        ParamSpec::new("n", "n", Quantity::Dimensionless, (0.4, 3.0), 1.2, "exponent of the cohesive law").neutral(1.0),
+        ParamSpec::new("n", "n", Quantity::Dimensionless, (0.4, 3.0), 1.2, "exponent of the cohesive law")
+            .neutral(1.0),
     ]
 }
 
@@ -92,10 +94,21 @@ fn secant<S: Scalar>(n: S, delta_max: S, gc: S, sigma_c: S) -> S {
     sigma_c / peak * ((n - 1.0) * ln + 1.0 - (n * ln).exp()).exp()
 }
 
+/// Secant stiffness at δ ≤ δmax. For n > 1 the curve starts convex: below its crossing with the
+/// secant of δmax unloading follows the curve, or closing would give back more than was put in.
+fn unloading<S: Scalar>(n: S, delta: S, delta_max: S, gc: S, sigma_c: S) -> S {
+    let at_max = secant(n, delta_max, gc, sigma_c);
+    if n.value() <= 1.0 {
+        return at_max;
+    }
+    let here = secant(n, delta, gc, sigma_c);
+    if here.value() < at_max.value() { here } else { at_max }
+}
+
 /// Secant for n less the secant for 1. At n = 1 the value is zero by definition, not by rounding;
 /// the derivatives are kept.
-fn secant_change<S: Scalar>(n: S, delta_max: S, gc: S, sigma_c: S) -> S {
-    let change = secant(n, delta_max, gc, sigma_c) - secant(S::one(), delta_max, gc, sigma_c);
+fn secant_change<S: Scalar>(n: S, delta: S, delta_max: S, gc: S, sigma_c: S) -> S {
+    let change = unloading(n, delta, delta_max, gc, sigma_c) - secant(S::one(), delta_max, gc, sigma_c);
     if n.value() == 1.0 { change.chain(-0.0, 1.0) } else { change }
 }
 
@@ -104,6 +117,33 @@ fn work(n: f64, delta_max: f64, gc: f64, sigma_c: f64) -> f64 {
     let x = rounded(delta_max, peak_opening(n, gc, sigma_c));
     let share = |x: f64| gamma_lr(1.0 + 1.0 / n, x.powf(n).min(700.0));
     gc * (share(x) - share(HELD))
+}
+
+/// What unloading from δ gives back: along the curve to the crossing, along the secant beyond.
+fn recoverable(n: f64, delta: f64, delta_max: f64, gc: f64, sigma_c: f64) -> f64 {
+    let k = secant(n, delta_max, gc, sigma_c);
+    let crossing = if n > 1.0 { crossing(n, k, delta_max, gc, sigma_c) } else { 0.0 };
+    if delta <= crossing {
+        return work(n, delta, gc, sigma_c);
+    }
+    work(n, crossing, gc, sigma_c) + 0.5 * k * (delta * delta - crossing * crossing)
+}
+
+/// Opening on the convex part of the curve (n > 1) where its secant is `k`.
+fn crossing(n: f64, k: f64, delta_max: f64, gc: f64, sigma_c: f64) -> f64 {
+    let stiffest = peak_opening(n, gc, sigma_c) * ((n - 1.0) / n).powf(1.0 / n);
+    let (mut low, mut high) = (0.0, stiffest);
+    if delta_max <= stiffest {
+        return delta_max;
+    }
+    if secant(n, low, gc, sigma_c) >= k {
+        return 0.0;
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if secant(n, middle, gc, sigma_c) < k { low = middle } else { high = middle }
+    }
+    low
 }
 
 impl Decoration<3> for Exponent {
@@ -120,20 +160,22 @@ impl Decoration<3> for Exponent {
         let mut r = call.inner(inner_new);
         let lambda = call.base[LAMBDA];
         let delta = effective_opening(call.gradient, lambda);
-        let k = secant_change(call.own[0], inner_new[DELTA_MAX], call.base[GC], call.base[SIGMA_C]);
+        let delta_max = inner_new[DELTA_MAX];
+        let k = secant_change(call.own[0], delta, delta_max, call.base[GC], call.base[SIGMA_C]);
         add_secant(&mut r, call.gradient, lambda, delta, k);
         r
     }
 
     fn energies(&self, call: &Call<'_, f64, 3>, inner_new: &[f64], _new: &[f64]) -> Energy {
         let mut e = call.inner_energies(call.gradient, call.base, inner_new);
-        let (n, gc, sigma_c, delta_max) = (call.own[0], call.base[GC], call.base[SIGMA_C], inner_new[DELTA_MAX]);
+        let (n, gc, sigma_c, delta_max) =
+            (call.own[0], call.base[GC], call.base[SIGMA_C], inner_new[DELTA_MAX]);
         if n != 1.0 {
             let delta = effective_opening(call.gradient, call.base[LAMBDA]);
-            let k = secant_change(n, delta_max, gc, sigma_c);
-            e.stored += 0.5 * k * delta * delta;
-            let change = work(n, delta_max, gc, sigma_c) - work(1.0, delta_max, gc, sigma_c);
-            e.dissipated += change - 0.5 * k * delta_max * delta_max;
+            let k = secant(1.0, delta_max, gc, sigma_c);
+            e.stored += recoverable(n, delta, delta_max, gc, sigma_c) - 0.5 * k * delta * delta;
+            let own = work(n, delta_max, gc, sigma_c) - recoverable(n, delta_max, delta_max, gc, sigma_c);
+            e.dissipated += own - work(1.0, delta_max, gc, sigma_c) + 0.5 * k * delta_max * delta_max;
         }
         e
     }

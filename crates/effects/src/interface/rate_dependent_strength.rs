@@ -40,8 +40,15 @@ pub struct RateDependentStrength;
 fn own_parameters() -> Vec<ParamSpec> {
     use Quantity::{Dimensionless, Speed};
     vec![
-        ParamSpec::new("c", "c", Dimensionless, (0.0, 2.0), 0.02, "relative rise of traction per e-fold of rate")
-            .neutral(0.0),
+        ParamSpec::new(
+            "c",
+            "c",
+            Dimensionless,
+            (0.0, 2.0),
+            0.02,
+            "relative rise of traction per e-fold of rate",
+        )
+        .neutral(0.0),
         ParamSpec::new("rate0", "δ̇0", Speed, RATES, 1e-3, "opening rate from which the rise counts"),
     ]
 }
@@ -58,7 +65,10 @@ impl Effect for RateDependentStrength {
     fn shapes(&self, scales: &Scales) -> Vec<Vec<f64>> {
         // Well below the tear's rates only the logarithm is seen, well above them it is linear.
         let r = scales.opening_rate;
-        spread(1e-3 * r, 3.0 * r, 4).into_iter().map(|rate0| vec![0.0, rate0.clamp(RATES.0, RATES.1)]).collect()
+        spread(1e-3 * r, 3.0 * r, 4)
+            .into_iter()
+            .map(|rate0| vec![0.0, rate0.clamp(RATES.0, RATES.1)])
+            .collect()
     }
 
     fn start(&self, scales: &Scales) -> Vec<f64> {

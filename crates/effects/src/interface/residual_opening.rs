@@ -31,8 +31,15 @@ pub struct ResidualOpening;
 
 fn own_parameters() -> Vec<ParamSpec> {
     vec![
-        ParamSpec::new("a", "a", Quantity::Dimensionless, (0.0, 0.9), 0.2, "residual share of the largest opening")
-            .neutral(0.0),
+        ParamSpec::new(
+            "a",
+            "a",
+            Quantity::Dimensionless,
+            (0.0, 0.9),
+            0.2,
+            "residual share of the largest opening",
+        )
+        .neutral(0.0),
     ]
 }
 

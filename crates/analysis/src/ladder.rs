@@ -1,0 +1,342 @@
+//! The finite-element model as a ladder: fits with any set of effects, and screens at each rung.
+//!
+//! Fits run on a mesh coarser than the file's, corrected by what the file's mesh said more at the
+//! base fit (defect correction); the same difference is the numerical error that every χ², test
+//! and interval carries.
+
+use crate::columns::{Base, case_with, config_of, scales, transfer};
+use crate::data::Measured;
+use crate::identify::{AnalysisError, coarse_case, frees, run_options};
+use crate::problem::{Cancelled, FeProblem};
+use crate::{priors, start};
+use diagnose::{Candidate, Finding, Policy, Rung, Screen};
+use input::{Case, EffectConfig};
+use inverse::{Data, Fit, FitOptions, Free, Noise, Problem, Quality, Whitened, quality};
+use model::{Catalogue, Channel, Discretisation, Model, RunOptions};
+use nalgebra::{DMatrix, DVector};
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+/// How much coarser than the file's mesh the search works.
+const COARSEN: f64 = 2.0;
+
+/// A fitted rung with everything a screen or a report needs.
+pub struct Fitted {
+    /// The model (coarse).
+    pub model: Model,
+    /// Its values.
+    pub theta: Vec<f64>,
+    /// Free parameters.
+    pub free: Vec<usize>,
+    /// As the optimiser saw them.
+    pub frees: Vec<Free>,
+    /// Fit with jacobian.
+    pub fit: Fit,
+    /// χ² and kin.
+    pub quality: Quality,
+}
+
+/// The ladder of one case.
+pub struct FeLadder<'a> {
+    case: Arc<Case>,
+    catalogue: &'a Catalogue,
+    how: Discretisation,
+    options: RunOptions,
+    cancelled: Cancelled<'a>,
+    /// Data with noise and numerical error.
+    pub measured: Measured,
+    correction: DVector<f64>,
+    /// Every rung that was fitted, by its sorted effects.
+    pub rungs: BTreeMap<Vec<String>, Fitted>,
+    /// Candidates of the latest screen, with raw columns.
+    pub candidates: Vec<Candidate>,
+    /// Forward runs so far.
+    pub runs: usize,
+    policy: Policy,
+    progress: &'a (dyn Fn(&str) + Sync),
+}
+
+impl<'a> FeLadder<'a> {
+    /// Fits the case's own model and finds the numerical error.
+    ///
+    /// # Errors
+    /// [`AnalysisError`].
+    pub fn new(
+        case: Arc<Case>,
+        catalogue: &'a Catalogue,
+        policy: Policy,
+        progress: &'a (dyn Fn(&str) + Sync),
+        cancelled: Cancelled<'a>,
+    ) -> Result<Self, AnalysisError> {
+        let coarse = coarse_case(&case);
+        let how = if coarse.mesh == case.mesh {
+            Discretisation { coarsen: COARSEN, ..Discretisation::default() }
+        } else {
+            Discretisation::default()
+        };
+        let fine = Model::new(case.clone(), catalogue, Discretisation::default())?;
+        let wanted: Vec<bool> = fine.tests.iter().map(|t| t.test.record.is_some()).collect();
+        let measured = Measured::cautious(&fine, &wanted)?;
+        let mut ladder = Self {
+            case: Arc::new(coarse),
+            catalogue,
+            how,
+            options: run_options(&case),
+            cancelled,
+            measured,
+            correction: DVector::zeros(0),
+            rungs: BTreeMap::new(),
+            candidates: Vec::new(),
+            runs: 0,
+            policy,
+            progress,
+        };
+        ladder.base(&fine)?;
+        Ok(ladder)
+    }
+
+    /// The base fit: start, coarse fit, the finer mesh's correction, fit again.
+    fn base(&mut self, fine: &Model) -> Result<(), AnalysisError> {
+        let model = Model::new(self.case.clone(), self.catalogue, self.how)?;
+        let mut theta = model.theta();
+        let quiet = crate::Control { progress: &|_| (), cancelled: self.cancelled };
+        if let Some(start) = start::for_case(&self.case, self.catalogue, self.options, &quiet)? {
+            start::spread(&model, &start, &mut theta);
+        }
+        let first = self.fit_model(model, theta, 1e-4)?;
+        let same = transfer(&first.model, &first.theta, fine);
+        let fine_problem = FeProblem::new(fine, same, Vec::new(), &self.measured.slots, self.options, self.cancelled);
+        self.runs += 1;
+        (self.progress)("numerical error: one run on the file's mesh");
+        if let Ok(p) = fine_problem.predict(&[], false) {
+            self.correction = &p.values - &first.fit.prediction.values;
+            self.measured = self.measured.clone().with_numerical_error(&self.correction.clone());
+        }
+        let again = self.fit_model(first.model, first.theta, 1e-5)?;
+        let key = Vec::new();
+        self.rungs.insert(key, again);
+        Ok(())
+    }
+
+    /// Fits a model from θ on all data (joint, whitened, with priors).
+    fn fit_model(&mut self, model: Model, theta: Vec<f64>, tolerance: f64) -> Result<Fitted, AnalysisError> {
+        let free = model.free();
+        let mut list = frees(&model, &theta, &free);
+        let literature = self.case.identify.priors.literature.unwrap_or(true);
+        priors::add(&mut list, &self.case.identify.priors, literature);
+        let fit = {
+            let mut problem =
+                FeProblem::new(&model, theta.clone(), free.clone(), &self.measured.slots, self.options, self.cancelled);
+            problem.options.march.budget = crate::identify::TRIAL_BUDGET;
+            problem.correction = self.correction.clone();
+            let options = FitOptions {
+                tolerance,
+                max_iterations: 20,
+                initial_damping: 1e-2,
+                max_step: 0.7,
+                ..FitOptions::default()
+            };
+            let progress = self.progress;
+            let names = model.effects().join(" + ");
+            let fit = inverse::fit(&problem, &self.measured.data, &list, &options, &mut |i| {
+                if let Some(f) = i.f {
+                    progress(&format!("fit [{names}] step {} χ² {f:.1}{}", i.iteration, if i.accepted { "" } else { " (rejected)" }));
+                }
+                ControlFlow::Continue(())
+            })?;
+            self.runs += problem.runs();
+            fit
+        };
+        let mut all = theta;
+        for (&i, &v) in free.iter().zip(&fit.theta) {
+            all[i] = v;
+        }
+        let quality = quality(&self.measured.data, &list, &fit);
+        Ok(Fitted { model, theta: all, free, frees: list, fit, quality })
+    }
+
+    /// A rung's key: effects in sorted order.
+    pub fn key(effects: &[String]) -> Vec<String> {
+        let mut k = effects.to_vec();
+        k.sort();
+        k
+    }
+
+    /// The rung of a fit.
+    pub fn rung(&self, effects: &[String], f: &Fitted) -> Rung {
+        let misfit = self.measured.data.misfit(&f.fit.prediction.values);
+        let mut force = Vec::new();
+        for (slot, block) in self.measured.slots.iter().zip(&self.measured.data.blocks) {
+            if slot.channel == Channel::Force {
+                force.extend(block.range.clone().map(|i| misfit[i]));
+            }
+        }
+        let white = Whitened::new(&self.measured.data, &f.frees, &f.fit.theta, &f.fit.prediction, Noise::Total);
+        let rows = white.rows.len();
+        let structure = diagnose::atlas::structure_p(white.r.rows(0, rows).into_owned().as_slice());
+        let rung = Rung::new(effects, &f.quality, inverse::rms(force), structure);
+        match self.held_out(f, &white) {
+            Some((chi2, points, rms)) => rung.held_out(chi2, points, rms),
+            None => rung,
+        }
+    }
+
+    /// Whole segments left out in turn, their prediction corrected to first order for not having
+    /// been fitted: reduced χ² and rms of what the fit did not see.
+    fn held_out(&self, f: &Fitted, white: &Whitened) -> Option<(f64, usize, f64)> {
+        let mask = self.hold_out_mask();
+        let rows = white.rows.len();
+        let out: Vec<usize> = (0..rows).filter(|&r| mask[white.rows[r]]).collect();
+        if out.len() < 10 {
+            return None;
+        }
+        let open: Vec<usize> = (0..f.free.len()).filter(|&k| !f.fit.at_bound[k]).collect();
+        let j = DMatrix::from_fn(white.jacobian.nrows(), open.len(), |r, c| white.jacobian[(r, open[c])]);
+        let kept: Vec<usize> = (0..j.nrows()).filter(|r| *r >= rows || !mask[white.rows[*r]]).collect();
+        let jt = DMatrix::from_fn(kept.len(), open.len(), |r, c| j[(kept[r], c)]);
+        let rt = DVector::from_iterator(kept.len(), kept.iter().map(|&r| white.r[r]));
+        let normal = jt.tr_mul(&jt);
+        let ridge = 1e-9 * normal.diagonal().max();
+        let step = (normal + DMatrix::identity(open.len(), open.len()) * ridge).cholesky()?.solve(&jt.tr_mul(&rt));
+        let (mut chi2, mut square) = (0.0, 0.0);
+        for &r in &out {
+            let left = white.r[r] - j.row(r).dot(&step.transpose());
+            chi2 += left * left;
+            let sd = self.sd_at(white.rows[r]);
+            square += (left * sd).powi(2);
+        }
+        let n = out.len() as f64;
+        Some((chi2 / n, out.len(), (square / n).sqrt()))
+    }
+
+    fn sd_at(&self, point: usize) -> f64 {
+        self.measured.data.blocks.iter().find(|b| b.range.contains(&point)).map_or(1.0, |b| b.noise.sd)
+    }
+
+    fn hold_out_mask(&self) -> Vec<bool> {
+        let mut mask = vec![false; self.measured.data.points()];
+        for (slot, block) in self.measured.slots.iter().zip(&self.measured.data.blocks) {
+            let test = &self.case.tests[slot.test];
+            let (Some(r), Channel::Force) = (&test.record, slot.channel) else { continue };
+            let segments = crate::compare::segments(test, r);
+            let split = diagnose::holdout::split(&segments, r.len(), 0.25);
+            for (k, i) in block.range.clone().enumerate() {
+                mask[i] = split.mask.get(slot.rows[k]).copied().unwrap_or(false);
+            }
+        }
+        mask
+    }
+
+    /// Configurations of effects, started from the screen's findings.
+    fn configs(&self, effects: &[String], hints: &BTreeMap<String, Finding>, base: &Fitted) -> Vec<EffectConfig> {
+        let scales = scales(&base.model, &base.theta);
+        effects
+            .iter()
+            .filter(|e| !self.case.effects.iter().any(|c| &&c.name == e))
+            .filter_map(|name| {
+                let effect = self.catalogue.get(name)?;
+                let specs = effect.parameters(&model::Options::new());
+                let mut values = effect.start(&scales);
+                if let Some(h) = hints.get(name) {
+                    start_from(h, &specs, &mut values);
+                }
+                Some(config_of(effect, &values))
+            })
+            .collect()
+    }
+}
+
+/// Start values from a finding: its shape, and its amplitude held inside the plausible.
+fn start_from(h: &Finding, specs: &[params::ParamSpec], values: &mut [f64]) {
+    for (spec, v) in specs.iter().zip(values.iter_mut()).skip(1) {
+        if let Some((_, s)) = h.shape.iter().find(|(n, _)| *n == spec.key()) {
+            *v = *s;
+        }
+    }
+    let neutral = specs[0].neutral.unwrap_or(0.0);
+    let plausible = (values[0] - neutral).abs();
+    if let Some((_, a)) = h.amplitudes.first() {
+        // A linear estimate may overshoot: never start beyond three plausible amplitudes, nor at
+        // nothing.
+        let size = a.abs().clamp(0.05 * plausible, 3.0 * plausible);
+        values[0] = (neutral + size.copysign(if *a == 0.0 { 1.0 } else { *a })).clamp(specs[0].lower, specs[0].upper);
+    }
+}
+
+impl diagnose::Ladder for FeLadder<'_> {
+    type Error = AnalysisError;
+
+    fn fit(&mut self, effects: &[String], hints: &diagnose::Hints) -> Result<Rung, AnalysisError> {
+        let key = Self::key(effects);
+        if !self.rungs.contains_key(&key) {
+            let Some(base) = self.nearest(&key) else { return Err(AnalysisError::Case("no base fit".into())) };
+            let configs = self.configs(effects, hints, base);
+            let case = case_with(&self.case, &configs);
+            let model = Model::new(Arc::new(case), self.catalogue, self.how)?;
+            let theta = transfer(&base.model, &base.theta, &model);
+            let fitted = self.fit_model(model, theta, 1e-4)?;
+            self.rungs.insert(key.clone(), fitted);
+        }
+        let fitted = &self.rungs[&key];
+        let rung = self.rung(effects, fitted);
+        (self.progress)(&format!(
+            "[{}] reduced χ² {:.2} (with numerical error {:.2}), BIC {:.1}",
+            effects.join(" + "), rung.reduced_chi2, rung.reduced_chi2_total(), rung.bic
+        ));
+        Ok(rung)
+    }
+
+    fn screen(&mut self, rung: &Rung) -> Result<Screen, AnalysisError> {
+        let key = Self::key(&rung.effects);
+        let Some(f) = self.rungs.get(&key) else { return Err(AnalysisError::Case("screen before fit".into())) };
+        let base = Base {
+            model: &f.model,
+            theta: &f.theta,
+            free: &f.free,
+            catalogue: self.catalogue,
+            how: self.how,
+            options: self.options,
+            slots: &self.measured.slots,
+            cancelled: self.cancelled,
+        };
+        (self.progress)(&format!("screen at [{}]", rung.effects.join(" + ")));
+        let screened = base.screen()?;
+        self.runs += 1 + screened.secant_runs;
+        let mut prediction = screened.prediction;
+        if self.correction.len() == prediction.values.len() {
+            prediction.values += &self.correction;
+        }
+        let white = Whitened::new(&self.measured.data, &f.frees, &f.fit.theta, &prediction, Noise::Total);
+        self.candidates = screened.candidates;
+        diagnose::screen(&white, &f.fit.at_bound, &self.candidates, self.measured.data.points(), &self.policy)
+            .map_err(|e| AnalysisError::Case(e.to_string()))
+    }
+
+    fn compatible(&self, effects: &[String]) -> bool {
+        effects.iter().all(|a| {
+            self.catalogue.get(a).is_some_and(|e| !effects.iter().any(|b| e.card().excludes.contains(&b.as_str())))
+        })
+    }
+
+    fn interrupted(&self) -> bool {
+        (self.cancelled)()
+    }
+}
+
+impl FeLadder<'_> {
+    /// The fitted rung with the most of these effects: the start of a new fit.
+    fn nearest(&self, key: &[String]) -> Option<&Fitted> {
+        self.rungs
+            .iter()
+            .filter(|(k, _)| k.iter().all(|e| key.contains(e)))
+            .max_by_key(|(k, _)| k.len())
+            .map(|(_, f)| f)
+    }
+
+    /// Data of the ladder.
+    pub fn data(&self) -> &Data {
+        &self.measured.data
+    }
+}
+

@@ -1,0 +1,124 @@
+//! Where a search along the tear path begins: one strength and one toughness for the whole path,
+//! on a coarse mesh, from what the record itself says (work of the test, peak force).
+//!
+//! A start that is far off tears too early or not at all, costs jumps, and leads to a local
+//! optimum (the paper's fourth limitation).
+
+use crate::identify::{AnalysisError, Stage, Work};
+use input::{Case, TestKind};
+use model::{Catalogue, Discretisation, Model};
+use std::sync::Arc;
+
+/// How much coarser than the given mesh the search for the start is.
+const COARSEN: f64 = 3.0;
+
+/// Fits one area on a coarse mesh. Returns the whole one-area model with its values, or `None`
+/// when the file gives each area its own start, or there is nothing to do.
+pub(crate) fn one_area(
+    case: &Arc<Case>,
+    catalogue: &Catalogue,
+    work: &mut Work,
+    list: &[(Stage, Vec<usize>, Vec<bool>)],
+) -> Result<Option<Start>, AnalysisError> {
+    let interface = &case.interface;
+    let tearing = case.tests.iter().any(|t| t.kind == TestKind::Tearing && t.record.is_some());
+    if !tearing || interface.gc.len() > 1 || interface.sigma_c.len() > 1 || case.mesh.divisions.is_some() {
+        return Ok(None);
+    }
+    let mut simple = (**case).clone();
+    simple.interface.areas = 1;
+    let how = Discretisation { coarsen: COARSEN, ..Discretisation::default() };
+    let Ok(model) = Model::new(Arc::new(simple.clone()), catalogue, how) else { return Ok(None) };
+    let file = model.theta();
+    let theta_of_work = std::mem::replace(&mut work.theta, file.clone());
+    // The bulk first, as the stages of the whole search begin.
+    if list.first().is_some_and(|s| s.0 == Stage::Bulk) {
+        let bulk: Vec<usize> = model.free().into_iter().filter(|&i| model.site_of(i) == model::Site::Bulk).collect();
+        work.stage(&model, Stage::Bulk, &bulk, &list[0].2, true)?;
+    }
+    let (Some(g), Some(s)) = (model.find("interface.area[1].gc"), model.find("interface.area[1].sigma_c")) else {
+        return Ok(None);
+    };
+    let tests: Vec<bool> = model.tests.iter().map(|t| t.test.kind == TestKind::Tearing && t.test.record.is_some()).collect();
+    let free: Vec<usize> = [g, s].into_iter().filter(|&i| model.parameters[i].free).collect();
+    let after_bulk = work.theta.clone();
+    let mut best: Option<(f64, Vec<f64>)> = None;
+    for start in [Some(from_record(case)), Some((file[g], file[s]))].into_iter().flatten() {
+        work.theta.clone_from(&after_bulk);
+        for (i, v) in [(g, start.0), (s, start.1)] {
+            if model.parameters[i].free {
+                work.theta[i] = v.clamp(model.parameters[i].spec.lower, model.parameters[i].spec.upper);
+            }
+        }
+        // A start from which the tear cannot be computed is no start.
+        if let Ok(f) = work.stage(&model, Stage::Interface, &free, &tests, true) {
+            if best.as_ref().is_none_or(|b| f < b.0) {
+                best = Some((f, work.theta.clone()));
+            }
+            break;
+        }
+    }
+    work.theta = theta_of_work;
+    Ok(best.map(|(_, theta)| Start { theta, model }))
+}
+
+/// The start of a joint search on a case: the bulk from the uniaxial tests, one area for the tear.
+pub(crate) fn for_case(
+    case: &Arc<Case>,
+    catalogue: &Catalogue,
+    options: model::RunOptions,
+    control: &crate::Control,
+) -> Result<Option<Start>, AnalysisError> {
+    let fine = Model::new(case.clone(), catalogue, Discretisation::default())?;
+    let mut work = Work::new(case, fine.theta(), options, control);
+    let list = crate::identify::stages(&fine, input::Mode::Staged);
+    one_area(case, catalogue, &mut work, &list)
+}
+
+/// A one-area model with its fitted values.
+pub(crate) struct Start {
+    theta: Vec<f64>,
+    model: Model,
+}
+
+/// Copies the start into the parameters of the real model: the same path, or the one area's value
+/// for every area.
+pub(crate) fn spread(fine: &Model, start: &Start, theta: &mut [f64]) {
+    for (i, p) in fine.parameters.iter().enumerate() {
+        if !p.free {
+            continue;
+        }
+        let path = match p.path.strip_prefix("interface.area[").and_then(|r| r.split_once("].")) {
+            Some((_, what)) => format!("interface.area[1].{what}"),
+            None => p.path.clone(),
+        };
+        if let Some(at) = start.model.find(&path) {
+            theta[i] = start.theta[at].clamp(p.spec.lower, p.spec.upper);
+        }
+    }
+}
+
+/// (Gc, σc) of the order the tearing record asks for: work per torn area, and the peak force per
+/// ligament area with the peak of stress at the tip in mind.
+fn from_record(case: &Case) -> (f64, f64) {
+    let g = &case.geometry;
+    let area = (g.width - g.cut) * g.thickness;
+    let mut out = (0.0f64, 0.0f64);
+    for record in case.tests.iter().filter(|t| t.kind == TestKind::Tearing).filter_map(|t| t.record.as_ref()) {
+        let (u, f) = (&record.displacement, &record.force);
+        // Work on the envelope: only where the displacement is the largest so far.
+        let (mut work, mut most, mut force) = (0.0, u[0], f[0]);
+        for (&u, &f) in u.iter().zip(f) {
+            if u > most {
+                work += 0.5 * (f + force) * (u - most);
+                (most, force) = (u, f);
+            }
+        }
+        let peak = f.iter().fold(0.0f64, |m, x| m.max(*x));
+        let tail = force.max(0.0) / peak.max(f64::MIN_POSITIVE);
+        out.0 = out.0.max(work / area * (1.0 + tail));
+        out.1 = out.1.max(1.5 * peak / area);
+    }
+    out
+}
+

@@ -1,0 +1,11 @@
+//! Effects between actuator and tissue.
+
+mod compliance;
+mod grip_slip;
+mod misalignment;
+mod slack;
+
+pub use compliance::Compliance;
+pub use grip_slip::GripSlip;
+pub use misalignment::Misalignment;
+pub use slack::Slack;

@@ -1,0 +1,301 @@
+//! The answer of `fct identify`.
+
+use super::{EnergyAnswer, SCHEMA, finite};
+use crate::published::Published;
+use analysis::{HistoryEntry, Identified, SimulatedTest};
+use inverse::Quality;
+use model::Channel;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A finished identification.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct IdentifyAnswer {
+    /// Layout version.
+    pub schema: u32,
+    /// Name of the specimen.
+    pub specimen: String,
+    /// Where the specimen's data come from.
+    pub provenance: String,
+    /// Effects in the model.
+    pub effects: Vec<String>,
+    /// Every free parameter.
+    pub parameters: Vec<ParameterAnswer>,
+    /// Fit of each test's force, by test.
+    pub tests: BTreeMap<String, TestFit>,
+    /// Fit of the camera channels, by `test.channel`; misfits in mm.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub channels: BTreeMap<String, TestFit>,
+    /// Root mean square misfit over all force points, N.
+    pub rms_N: f64,
+    /// χ² per degree of freedom with the record's noise alone.
+    pub reduced_chi2: f64,
+    /// The same with the model's numerical error.
+    pub reduced_chi2_total: f64,
+    /// Whether the model explains the records (judged by `reduced_chi2_total`).
+    pub explained: bool,
+    /// Bayesian information criterion.
+    pub bic: Option<f64>,
+    /// Accepted steps of the search, the most of any stage.
+    pub iterations: usize,
+    /// Model runs, coarse ones included.
+    pub forward_runs: usize,
+    /// Wall-clock time, s.
+    pub seconds: f64,
+    /// Why the search ended, stage by stage.
+    pub stopped_because: String,
+    /// The same as data.
+    pub stages: Vec<StageEnd>,
+    /// What the records hardly fix, in words.
+    pub sloppy: Vec<String>,
+    /// Correlations of the parameters, in their order.
+    pub correlations: Vec<Vec<Option<f64>>>,
+    /// Every run of the search.
+    pub history: Vec<StageHistory>,
+    /// Published values beside the identified ones, where the specimen has some.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub published: Option<PublishedSummary>,
+    /// How several starts agreed, where there were several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub starts: Option<String>,
+}
+
+/// One free parameter.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ParameterAnswer {
+    /// `bulk.mu`.
+    pub path: String,
+    /// Identified value.
+    pub value: f64,
+    /// Unit; empty for a pure number.
+    pub unit: String,
+    /// Standard error; null where the records do not fix the parameter at all.
+    pub std_error: Option<f64>,
+    /// 95 % interval.
+    pub interval_95: [Option<f64>; 2],
+    /// Whether it stands at a bound.
+    pub at_bound: bool,
+    /// Whether the records fix it.
+    pub identifiable: bool,
+    /// Published value, where there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub published: Option<f64>,
+    /// Whether the published value lies in the interval.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub published_in_interval: Option<bool>,
+}
+
+/// How well one block is reproduced.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct TestFit {
+    /// Root mean square misfit, N (mm for a camera channel).
+    pub rms_N: f64,
+    /// Noise sd, the same unit.
+    pub noise_N: f64,
+    /// χ² per degree of freedom with the record's noise.
+    pub reduced_chi2: f64,
+    /// The same with the model's numerical error.
+    pub reduced_chi2_total: f64,
+    /// The paper's f, sum of squared misfits.
+    pub objective: f64,
+    /// Points.
+    pub points: usize,
+    /// Rms of the model's numerical error as estimated on a coarser mesh.
+    pub numerical_error_N: f64,
+    /// Largest measured value.
+    pub peak_N: f64,
+    /// Energies of the fitted model at the end of the test.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy: Option<EnergyAnswer>,
+}
+
+/// The end of a stage.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct StageEnd {
+    /// Stage.
+    pub stage: String,
+    /// Why it ended.
+    pub reason: String,
+    /// Whether at an optimum.
+    pub converged: bool,
+}
+
+/// Runs of one stage on one mesh.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StageHistory {
+    /// Stage.
+    pub stage: String,
+    /// On the coarse mesh.
+    pub coarse: bool,
+    /// Parameters of the stage.
+    pub paths: Vec<String>,
+    /// Its runs.
+    pub runs: Vec<Trial>,
+}
+
+/// One model run of the search.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Trial {
+    /// Step that was tried.
+    pub iteration: usize,
+    /// Objective; null where the model could not be computed.
+    pub f: Option<f64>,
+    /// Whether the search went there.
+    pub accepted: bool,
+    /// Parameters.
+    pub theta: Vec<f64>,
+}
+
+/// Where published values come from and how they compare.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct PublishedSummary {
+    /// Source.
+    pub source: String,
+    /// Remarks on the printed numbers.
+    pub notes: Vec<String>,
+    /// Identifiable parameters with a published value.
+    pub compared: usize,
+    /// Of these, how many have it in their 95 % interval.
+    pub inside: usize,
+}
+
+impl IdentifyAnswer {
+    /// The answer of a finished identification; `replayed`: the fitted model's runs with energies.
+    pub fn new(done: &Identified, replayed: &[SimulatedTest], published: Option<&Published>, seconds: f64) -> Self {
+        let case = &done.model.case;
+        let parameters = parameters(done, published);
+        let (tests, channels) = fits(done, replayed);
+        let force: Vec<&TestFit> = tests.values().collect();
+        let points: usize = force.iter().map(|t| t.points).sum();
+        let squares: f64 = force.iter().map(|t| t.objective).sum();
+        let stages: Vec<StageEnd> = done
+            .stopped
+            .iter()
+            .map(|(s, reason, converged)| StageEnd { stage: s.word().into(), reason: reason.clone(), converged: *converged })
+            .collect();
+        Self {
+            schema: SCHEMA,
+            specimen: case.name.clone(),
+            provenance: case.provenance.clone(),
+            effects: done.model.effects(),
+            published: published.map(|p| summary(p, &parameters)),
+            parameters,
+            tests,
+            channels,
+            rms_N: (squares / points.max(1) as f64).sqrt(),
+            reduced_chi2: done.quality.reduced_chi2,
+            reduced_chi2_total: done.quality.reduced_chi2_total,
+            explained: explained(&done.quality),
+            bic: finite(done.quality.bic),
+            iterations: done.iterations,
+            forward_runs: done.forward_runs,
+            seconds,
+            stopped_because: sentence(&stages),
+            stages,
+            sloppy: done.uncertainty.sloppy_directions(),
+            correlations: correlations(done),
+            history: histories(&done.history),
+            starts: done.starts.clone(),
+        }
+    }
+}
+
+/// The rule of the diagnosis: χ² at most 1.2, or what the sampling spread allows.
+fn explained(q: &Quality) -> bool {
+    let policy = diagnose::Policy::default();
+    let spread = 1.0 + policy.explained_sigmas * (2.0 / q.freedom.max(1.0)).sqrt();
+    q.reduced_chi2_total <= policy.explained_chi2.max(spread)
+}
+
+fn sentence(stages: &[StageEnd]) -> String {
+    stages.iter().map(|s| format!("{}: {}", s.stage, s.reason)).collect::<Vec<_>>().join(" ")
+}
+
+fn parameters(done: &Identified, published: Option<&Published>) -> Vec<ParameterAnswer> {
+    let mut out = Vec::new();
+    for (&i, e) in done.free.iter().zip(&done.uncertainty.estimates) {
+        if done.model.is_hidden(i) {
+            continue;
+        }
+        let spec = &done.model.parameters[i].spec;
+        let value = published.and_then(|p| p.value(&e.path, spec));
+        let inside = value.map(|v| e.interval_95[0] <= v && v <= e.interval_95[1]);
+        out.push(ParameterAnswer {
+            path: e.path.clone(),
+            value: e.value,
+            unit: spec.quantity.unit().into(),
+            std_error: e.std_error.and_then(finite),
+            interval_95: e.interval_95.map(finite),
+            at_bound: e.at_bound,
+            identifiable: e.identifiable,
+            published: value,
+            published_in_interval: inside,
+        });
+    }
+    out
+}
+
+fn summary(p: &Published, parameters: &[ParameterAnswer]) -> PublishedSummary {
+    let inside: Vec<bool> =
+        parameters.iter().filter(|p| p.identifiable).filter_map(|p| p.published_in_interval).collect();
+    PublishedSummary {
+        source: p.source.clone(),
+        notes: p.notes.clone(),
+        compared: inside.len(),
+        inside: inside.iter().filter(|i| **i).count(),
+    }
+}
+
+type Fits = BTreeMap<String, TestFit>;
+
+fn fits(done: &Identified, replayed: &[SimulatedTest]) -> (Fits, Fits) {
+    let (mut tests, mut channels) = (Fits::new(), Fits::new());
+    let blocks = done.measured.data.blocks.iter().zip(&done.measured.slots).zip(&done.quality.blocks);
+    for ((block, slot), quality) in blocks {
+        let error = done.numerical_error.rows(block.range.start, block.range.len());
+        let force = slot.channel == Channel::Force;
+        let name = &done.model.tests[slot.test].test.name;
+        let energy = replayed.iter().find(|t| force && t.name == *name).map(EnergyAnswer::new);
+        let fit = TestFit {
+            rms_N: quality.rms,
+            noise_N: quality.noise,
+            reduced_chi2: quality.reduced_chi2,
+            reduced_chi2_total: quality.reduced_chi2_total,
+            objective: quality.objective,
+            points: quality.points,
+            numerical_error_N: error.norm() / (error.len().max(1) as f64).sqrt(),
+            peak_N: block.measured.iter().fold(0.0, |m, v| m.max(v.abs())),
+            energy,
+        };
+        if force { tests.insert(name.clone(), fit) } else { channels.insert(block.name.clone(), fit) };
+    }
+    (tests, channels)
+}
+
+fn correlations(done: &Identified) -> Vec<Vec<Option<f64>>> {
+    let shown: Vec<usize> = (0..done.free.len()).filter(|&k| !done.model.is_hidden(done.free[k])).collect();
+    let c = &done.uncertainty.correlation;
+    shown.iter().map(|&i| shown.iter().map(|&j| finite(c[(i, j)])).collect()).collect()
+}
+
+/// Runs grouped by stage, mesh and parameters, in order.
+pub(crate) fn histories(entries: &[HistoryEntry]) -> Vec<StageHistory> {
+    let mut out: Vec<StageHistory> = Vec::new();
+    for e in entries {
+        let trial = Trial {
+            iteration: e.iterate.iteration,
+            f: e.iterate.f.and_then(finite),
+            accepted: e.iterate.accepted,
+            theta: e.iterate.theta.clone(),
+        };
+        let stage = e.stage.word();
+        match out.last_mut() {
+            // A stage begins with its iteration 0.
+            Some(h) if h.stage == stage && h.coarse == e.coarse && h.paths == e.paths && trial.iteration > 0 => {
+                h.runs.push(trial);
+            }
+            _ => out.push(StageHistory { stage: stage.into(), coarse: e.coarse, paths: e.paths.clone(), runs: vec![trial] }),
+        }
+    }
+    out
+}

@@ -1,0 +1,15 @@
+//! The answers of the commands as they are printed and stored.
+
+mod identify;
+mod simulate;
+
+pub use identify::{IdentifyAnswer, ParameterAnswer, PublishedSummary, StageEnd, StageHistory, TestFit, Trial};
+pub use simulate::{EnergyAnswer, JumpAnswer, SimulateAnswer, SolverAnswer, TestCurve};
+
+/// Version of the answers' layout.
+pub const SCHEMA: u32 = 1;
+
+/// A number that JSON can hold.
+pub(crate) fn finite(x: f64) -> Option<f64> {
+    x.is_finite().then_some(x)
+}
