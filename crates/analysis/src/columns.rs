@@ -209,7 +209,7 @@ impl Base<'_> {
             let neutral = specs[0].neutral.unwrap_or(0.0);
             let mut first = start.clone();
             first[0] = neutral;
-            let model = self.with(effect, &first)?;
+            let model = self.with(effect, &first, true)?;
             let (refit, sided) = match card.screening {
                 Screening::Score(s) => (false, s),
                 Screening::Refit(s) => (true, s),
@@ -239,9 +239,9 @@ impl Base<'_> {
         Ok((tried, variants))
     }
 
-    fn with(&self, effect: &Arc<dyn Effect>, values: &[f64]) -> Result<Model, BuildError> {
+    fn with(&self, effect: &Arc<dyn Effect>, values: &[f64], neutral: bool) -> Result<Model, BuildError> {
         let case = case_with(&self.model.case, &[config_of(effect, values)]);
-        Model::new(Arc::new(case), self.catalogue, self.how)
+        Model::new(Arc::new(case), self.catalogue, Discretisation { neutral_halves: neutral, ..self.how })
     }
 
     /// One run per test, in order, with all columns; bulk history carried by every column.
@@ -315,7 +315,7 @@ impl Base<'_> {
     /// does not tell.
     fn secant(&self, t: &Tried, scales: &Scales, base: &Prediction) -> Result<Option<Shape>, AnalysisError> {
         let values = t.effect.start(scales);
-        let model = self.with(&t.effect, &values)?;
+        let model = self.with(&t.effect, &values, false)?;
         let theta = {
             let mut theta = transfer(self.model, self.theta, &model);
             let specs = t.effect.parameters(&model::Options::new());

@@ -233,6 +233,8 @@ pub(crate) struct Work<'a> {
     pub case: &'a Case,
     options: RunOptions,
     held: Option<()>,
+    /// Whether the literature's priors count.
+    pub literature: bool,
     starts: Option<String>,
 }
 
@@ -255,13 +257,15 @@ impl<'a> Work<'a> {
             case,
             options,
             held: None,
+            literature: case.identify.priors.literature.unwrap_or(false),
             starts: None,
         }
     }
 
     pub fn stage(&mut self, model: &Model, stage: Stage, free: &[usize], tests: &[bool], coarse: bool) -> Result<f64, AnalysisError> {
         let measured = Measured::of(model, tests)?;
-        let list = frees(model, &self.theta, free);
+        let mut list = frees(model, &self.theta, free);
+        crate::priors::add(&mut list, self.case, self.literature);
         let paths: Vec<String> = list.iter().map(|f| f.path.clone()).collect();
         let problem =
             FeProblem::new(model, self.theta.clone(), free.to_vec(), &measured.slots, self.options, self.control.cancelled);
@@ -300,7 +304,8 @@ impl<'a> Work<'a> {
     /// All data at the end: quality, numerical error, intervals.
     fn finish(mut self, fine: Model, coarse: Option<Model>, measured: Measured, list: &[(Stage, Vec<usize>, Vec<bool>)]) -> Result<Identified, AnalysisError> {
         let free = fine.free();
-        let list_free = frees(&fine, &self.theta, &free);
+        let mut list_free = frees(&fine, &self.theta, &free);
+        crate::priors::add(&mut list_free, self.case, self.literature);
         let prediction = {
             let problem = FeProblem::new(&fine, self.theta.clone(), free.clone(), &measured.slots, self.options, self.control.cancelled);
             let values: Vec<f64> = free.iter().map(|&i| self.theta[i]).collect();

@@ -21,6 +21,14 @@ use std::sync::Arc;
 /// How much coarser than the file's mesh the search works.
 const COARSEN: f64 = 2.0;
 
+/// Steps and tolerance of the search: the numerical error that every test carries includes them.
+fn search_options(case: &Case) -> RunOptions {
+    let mut o = run_options(case);
+    (o.tearing_steps, o.uniaxial_steps) = (30, 14);
+    o.march.newton.tolerance = o.march.newton.tolerance.max(1e-7);
+    o
+}
+
 /// A fitted rung with everything a screen or a report needs.
 pub struct Fitted {
     /// The model (coarse).
@@ -82,7 +90,7 @@ impl<'a> FeLadder<'a> {
             case: Arc::new(coarse),
             catalogue,
             how,
-            options: run_options(&case),
+            options: search_options(&case),
             cancelled,
             measured,
             correction: DVector::zeros(0),
@@ -100,20 +108,23 @@ impl<'a> FeLadder<'a> {
     fn base(&mut self, fine: &Model) -> Result<(), AnalysisError> {
         let model = Model::new(self.case.clone(), self.catalogue, self.how)?;
         let mut theta = model.theta();
-        let quiet = crate::Control { progress: &|_| (), cancelled: self.cancelled };
+        let say = self.progress;
+        let shown = |p: &crate::Progress| say(&format!("start: {} step {} f {:?} {:.4?}", p.stage.word(), p.iterate.iteration, p.iterate.f, p.iterate.theta));
+        let quiet = crate::Control { progress: &shown, cancelled: self.cancelled };
         if let Some(start) = start::for_case(&self.case, self.catalogue, self.options, &quiet)? {
             start::spread(&model, &start, &mut theta);
         }
-        let first = self.fit_model(model, theta, 1e-4)?;
+        let first = self.fit_model(model, theta, 1e-2)?;
         let same = transfer(&first.model, &first.theta, fine);
-        let fine_problem = FeProblem::new(fine, same, Vec::new(), &self.measured.slots, self.options, self.cancelled);
+        let fine_problem =
+            FeProblem::new(fine, same, Vec::new(), &self.measured.slots, run_options(&self.case), self.cancelled);
         self.runs += 1;
         (self.progress)("numerical error: one run on the file's mesh");
         if let Ok(p) = fine_problem.predict(&[], false) {
             self.correction = &p.values - &first.fit.prediction.values;
             self.measured = self.measured.clone().with_numerical_error(&self.correction.clone());
         }
-        let again = self.fit_model(first.model, first.theta, 1e-5)?;
+        let again = self.fit_model(first.model, first.theta, 2e-3)?;
         let key = Vec::new();
         self.rungs.insert(key, again);
         Ok(())
@@ -124,7 +135,7 @@ impl<'a> FeLadder<'a> {
         let free = model.free();
         let mut list = frees(&model, &theta, &free);
         let literature = self.case.identify.priors.literature.unwrap_or(true);
-        priors::add(&mut list, &self.case.identify.priors, literature);
+        priors::add(&mut list, &self.case, literature);
         let fit = {
             let mut problem =
                 FeProblem::new(&model, theta.clone(), free.clone(), &self.measured.slots, self.options, self.cancelled);
@@ -132,7 +143,7 @@ impl<'a> FeLadder<'a> {
             problem.correction = self.correction.clone();
             let options = FitOptions {
                 tolerance,
-                max_iterations: 20,
+                max_iterations: 12,
                 initial_damping: 1e-2,
                 max_step: 0.7,
                 ..FitOptions::default()
@@ -275,7 +286,7 @@ impl diagnose::Ladder for FeLadder<'_> {
             let case = case_with(&self.case, &configs);
             let model = Model::new(Arc::new(case), self.catalogue, self.how)?;
             let theta = transfer(&base.model, &base.theta, &model);
-            let fitted = self.fit_model(model, theta, 1e-4)?;
+            let fitted = self.fit_model(model, theta, 2e-3)?;
             self.rungs.insert(key.clone(), fitted);
         }
         let fitted = &self.rungs[&key];

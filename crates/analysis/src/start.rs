@@ -71,6 +71,7 @@ pub(crate) fn for_case(
 ) -> Result<Option<Start>, AnalysisError> {
     let fine = Model::new(case.clone(), catalogue, Discretisation::default())?;
     let mut work = Work::new(case, fine.theta(), options, control);
+    work.literature = case.identify.priors.literature.unwrap_or(true);
     let list = crate::identify::stages(&fine, input::Mode::Staged);
     one_area(case, catalogue, &mut work, &list)
 }

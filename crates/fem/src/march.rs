@@ -288,6 +288,7 @@ impl March<'_> {
         let same = |v: &Visit| (v.state.actuator - target.actuator).abs() <= 1e-12 * target.actuator.abs().max(1.0);
         let Some(at) = self.visits.iter().rposition(same) else { return false };
         let (step, state) = (self.visits[at].step, self.visits[at].state.clone());
+        self.train_energy = self.run.steps[step].ledger.rig;
         let before = self.run.steps.last().cloned();
         let time = self.state.time + if target.rest { 0.0 } else { target.dt };
         self.state = state;
@@ -337,6 +338,7 @@ impl March<'_> {
                 }
                 Err(e @ FemError::Setup(_)) => return Err(e),
                 Err(e) => {
+                    if std::env::var("FCT_DEBUG").is_ok() { eprintln!("cut at {} -> {actuator}: {e}", self.state.actuator); }
                     share *= 0.5;
                     if share < self.options.min_step_fraction || travel == 0.0 {
                         if self.problem.path.is_none() || travel == 0.0 {
@@ -399,7 +401,9 @@ impl March<'_> {
         if self.problem.path.is_some() && self.system.factor.negative_pivots() > 0 {
             return Err(unstable("the equilibrium found is unstable"));
         }
-        if let (Some(before), true) = (self.run.steps.last(), self.problem.path.is_some()) {
+        // In a hold the force relaxes by itself: no jump.
+        let moved = self.run.steps.last().filter(|s| s.actuator != fresh.actuator);
+        if let (Some(before), true) = (moved, self.problem.path.is_some()) {
             let slope = self.actuator_slope(border, fresh);
             let step = fresh.actuator - before.actuator;
             let expected = 0.5 * (slope + before.slope) * step;

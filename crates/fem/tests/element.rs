@@ -23,7 +23,16 @@ fn noise(seed: usize) -> impl FnMut() -> f64 {
 
 /// A distorted brick and a displacement of it.
 fn brick(seed: usize) -> ([[f64; 3]; 8], [[f64; 3]; 8]) {
-    let unit = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.], [0., 0., 1.], [1., 0., 1.], [1., 1., 1.], [0., 1., 1.]];
+    let unit = [
+        [0., 0., 0.],
+        [1., 0., 0.],
+        [1., 1., 0.],
+        [0., 1., 0.],
+        [0., 0., 1.],
+        [1., 0., 1.],
+        [1., 1., 1.],
+        [0., 1., 1.],
+    ];
     let mut r = noise(seed);
     let x = unit.map(|c: [f64; 3]| c.map(|v| v + 0.1 * r()));
     let u = x.map(|c| [-0.1 * c[0] + 0.05 * r(), 0.25 * c[1] + 0.05 * r(), -0.05 * c[2] + 0.05 * r()]);
@@ -34,7 +43,11 @@ fn bulks() -> Vec<(&'static str, [f64; 7])> {
     let peers = Tissue::peers(1.0, 0.1).bulk;
     let mut stiff = peers;
     stiff[5] = 2.0 / 50.0;
-    vec![("HGO, K0 = 1 MPa", peers), ("HGO, K0 = 50 MPa", stiff), ("neo-Hooke", Tissue::neo_hookean(0.01, 0.05))]
+    vec![
+        ("HGO, K0 = 1 MPa", peers),
+        ("HGO, K0 = 50 MPa", stiff),
+        ("neo-Hooke", Tissue::neo_hookean(0.01, 0.05)),
+    ]
 }
 
 #[test]
@@ -65,7 +78,12 @@ fn brick_tangent_is_the_derivative_of_the_residual() {
 }
 
 /// Residual and its derivative by three sweeps of eight jets.
-fn jet_tangent(law: &(dyn PointLaw<9> + 'static), params: &[f64], x: &[[f64; 3]; 8], u: &[[f64; 3]; 8]) -> ([f64; 24], [[f64; 24]; 24]) {
+fn jet_tangent(
+    law: &(dyn PointLaw<9> + 'static),
+    params: &[f64],
+    x: &[[f64; 3]; 8],
+    u: &[[f64; 3]; 8],
+) -> ([f64; 24], [[f64; 24]; 24]) {
     let geo = hex8::geometry(&x.map(|c| c.map(Jet::<8>::constant)));
     let p: Vec<Jet<8>> = params.iter().map(|&v| Jet::constant(v)).collect();
     let (mut r, mut k) = ([0.0; 24], [[0.0; 24]; 24]);
@@ -146,7 +164,8 @@ fn brick_turns_with_its_frame() {
 /// A cube of n³ bricks, inner nodes moved by up to `jitter` of the size; boundary displacement
 /// `grip` · field(X).
 fn cube(n: usize, jitter: f64, field: impl Fn(&[f64; 3]) -> [f64; 3]) -> Problem {
-    let mesh = mesh::strip(&Strip { sizing: Sizing::Divisions([n, n, n]), ..Strip::new(1.0, 1.0, 1.0) }).unwrap();
+    let mesh =
+        mesh::strip(&Strip { sizing: Sizing::Divisions([n, n, n]), ..Strip::new(1.0, 1.0, 1.0) }).unwrap();
     let mut body = Body::of(&mesh);
     let mut r = noise(7);
     let mut supports = vec![None; 3 * body.nodes.len()];
@@ -177,7 +196,9 @@ fn cube(n: usize, jitter: f64, field: impl Fn(&[f64; 3]) -> [f64; 3]) -> Problem
 
 #[test]
 fn patch_test_with_distorted_bricks() {
-    for (name, bulk) in bulks().into_iter().chain([("neo-Hooke, K0 = 1e5 mu", Tissue::neo_hookean(0.01, 1e3))]) {
+    for (name, bulk) in
+        bulks().into_iter().chain([("neo-Hooke, K0 = 1e5 mu", Tissue::neo_hookean(0.01, 1e3))])
+    {
         // Nearly isochoric, so that the stiff volumetric part does not drown the rest.
         let h = [-0.1, 0.08, 0.02, 0.05, 0.18, -0.03, 0.01, 0.04, -0.06];
         let problem = cube(3, 0.3, |x| tensor::apply(&h, x));
@@ -195,7 +216,10 @@ fn patch_test_with_distorted_bricks() {
         let p = Hgo::default().respond(&CTX, &f, &bulk[..], &[], &mut []).force;
         let work = tensor::dot(&p, &h); // per unit volume and grip displacement
         let force = run.steps.last().unwrap().force;
-        println!("patch test, {name}: worst displacement error {worst:.1e}, force against P:H·V {:.1e}", (force / work - 1.0).abs());
+        println!(
+            "patch test, {name}: worst displacement error {worst:.1e}, force against P:H·V {:.1e}",
+            (force / work - 1.0).abs()
+        );
         assert!(worst < 1e-10 && (force / work - 1.0).abs() < 1e-9);
     }
 }
@@ -218,7 +242,8 @@ fn cantilever(n: usize, ratio: f64) -> (f64, f64) {
             supports[3 * k] = Some(Prescribed { grip: 1.0, mount: 0.0 });
         }
     }
-    let problem = Problem { supports: Arc::new(supports), body: Arc::new(body), ..cube(1, 0.0, |_| [0.0; 3]) };
+    let problem =
+        Problem { supports: Arc::new(supports), body: Arc::new(body), ..cube(1, 0.0, |_| [0.0; 3]) };
     let theta = Tissue::neo_hookean(mu, ratio * mu);
     let run = complete(&problem, &theta, &plan([1e-3]), tight());
     let k = ratio * mu;
@@ -237,7 +262,8 @@ fn displacement_element(problem: &Problem, theta: &[f64]) -> f64 {
     let mut k = DMatrix::<f64>::zeros(n, n);
     let identity = tensor::identity::<f64>();
     let mut none: [f64; 0] = [];
-    let (_, a) = constitutive::tangent_by_jets_9(&*problem.bulk, &CTX, &identity, &theta[..7], &[], &mut none);
+    let (_, a) =
+        constitutive::tangent_by_jets_9(&*problem.bulk, &CTX, &identity, &theta[..7], &[], &mut none);
     for h in &body.hexes {
         let geo = hex8::geometry(&h.map(|m| body.nodes[m]));
         for q in 0..8 {
@@ -262,7 +288,9 @@ fn displacement_element(problem: &Problem, theta: &[f64]) -> f64 {
 
 #[test]
 fn no_volumetric_locking_in_bending() {
-    println!("cantilever, F/F_beam: K0/mu, bricks over the height: mean dilatation, plain displacement brick");
+    println!(
+        "cantilever, F/F_beam: K0/mu, bricks over the height: mean dilatation, plain displacement brick"
+    );
     let mut finest = Vec::new();
     for ratio in [10.0, 1e2, 1e4] {
         for n in [2, 4, 6] {
@@ -282,11 +310,17 @@ fn no_volumetric_locking_in_bending() {
 /// Cook's tapered panel in plane strain, its end moved sideways by 4 mm: reaction against mesh.
 #[test]
 fn cook_panel_converges() {
-    for (name, ratio, least) in [("compressible K0/mu = 5", 5.0, 1.0), ("nearly incompressible K0/mu = 5000", 5e3, 0.9)] {
+    for (name, ratio, least) in
+        [("compressible K0/mu = 5", 5.0, 1.0), ("nearly incompressible K0/mu = 5000", 5e3, 0.9)]
+    {
         let mut reactions = Vec::new();
         for split in [1, 2, 4, 8] {
             let outline = Outline::new(&[[0.0, 0.0, 44.0], [48.0, 44.0, 60.0]]).unwrap();
-            let strip = Strip { sizing: Sizing::Divisions([3, 4, 1]), outline: Some(outline), ..Strip::new(48.0, 44.0, 1.0) };
+            let strip = Strip {
+                sizing: Sizing::Divisions([3, 4, 1]),
+                outline: Some(outline),
+                ..Strip::new(48.0, 44.0, 1.0)
+            };
             // In the plane only: one layer whatever the split.
             let strip = Strip { sizing: Sizing::Divisions([3 * split, 4 * split, 1]), ..strip };
             let mesh = mesh::strip(&strip).unwrap();
@@ -301,27 +335,62 @@ fn cook_panel_converges() {
                     supports[3 * k] = Some(Prescribed { grip: 1.0, mount: 0.0 });
                 }
             }
-            let problem = Problem { supports: Arc::new(supports), body: Arc::new(body), ..cube(1, 0.0, |_| [0.0; 3]) };
-            let run = complete(&problem, &Tissue::neo_hookean(80.2, ratio * 80.2), &plan(ramp(0.0, 4.0, 2)), tight());
+            let problem =
+                Problem { supports: Arc::new(supports), body: Arc::new(body), ..cube(1, 0.0, |_| [0.0; 3]) };
+            let run = complete(
+                &problem,
+                &Tissue::neo_hookean(80.2, ratio * 80.2),
+                &plan(ramp(0.0, 4.0, 2)),
+                tight(),
+            );
             reactions.push(run.steps.last().unwrap().force);
         }
-        let orders = [order([reactions[0], reactions[1], reactions[2]], 2.0), order([reactions[1], reactions[2], reactions[3]], 2.0)];
+        let orders = [
+            order([reactions[0], reactions[1], reactions[2]], 2.0),
+            order([reactions[1], reactions[2], reactions[3]], 2.0),
+        ];
         let limit = reactions[3] + (reactions[3] - reactions[2]) / (2f64.powf(orders[1]) - 1.0);
-        println!("Cook panel, {name}: reactions {reactions:.4?}, orders {orders:.2?}, extrapolated {limit:.4}, finest off by {:.2} %", 100.0 * (reactions[3] / limit - 1.0));
+        println!(
+            "Cook panel, {name}: reactions {reactions:.4?}, orders {orders:.2?}, extrapolated {limit:.4}, finest off by {:.2} %",
+            100.0 * (reactions[3] / limit - 1.0)
+        );
         assert!(orders[1] > least, "{orders:?}");
         assert!((reactions[3] / limit - 1.0).abs() < 0.01);
     }
 }
 
 /// The manufactured displacement and its gradient at X (jets in X give the body force).
-fn manufactured(x: &[Jet<3>; 3]) -> ([Jet<3>; 3], [Jet<3>; 9]) {
+///
+/// Isochoric: shears in turn, x by y and z, y by z, so that det F = 1 exactly. A nearly
+/// incompressible body needs that: the pressure of any other field dwarfs its shear stress, and a
+/// constant-pressure brick answers for it in the displacements (it is not pressure-robust).
+fn manufactured(x: &[Jet<3>; 3], isochoric: bool) -> ([Jet<3>; 3], [Jet<3>; 9]) {
     use constitutive::Scalar;
     let a = 0.08;
     let w = [2.0, 1.5, 1.8];
     let arg = |i: usize| x[i] * w[i];
     let (s, c): (Vec<_>, Vec<_>) = (0..3).map(|i| (arg(i).sin(), arg(i).cos())).unzip();
-    // u0 = a sin(w1 y) cos(w2 z) + …, every component mixes the other axes and its own.
-    let u = [s[1] * c[2] * a + s[0] * (0.5 * a), s[2] * c[0] * a + s[1] * (2.0 * a), s[0] * c[1] * a - s[2] * (0.6 * a)];
+    let zero = Jet::constant(0.0);
+    if isochoric {
+        let u = [s[1] * c[2] * a, s[2] * a, zero];
+        let g = [
+            zero,
+            c[1] * c[2] * (a * w[1]),
+            s[1] * s[2] * (-a * w[2]),
+            zero,
+            zero,
+            c[2] * (a * w[2]),
+            zero,
+            zero,
+            zero,
+        ];
+        return (u, g);
+    }
+    let u = [
+        s[1] * c[2] * a + s[0] * (0.5 * a),
+        s[2] * c[0] * a + s[1] * (2.0 * a),
+        s[0] * c[1] * a - s[2] * (0.6 * a),
+    ];
     let g = [
         c[0] * (0.5 * a * w[0]),
         c[1] * c[2] * (a * w[1]),
@@ -336,23 +405,32 @@ fn manufactured(x: &[Jet<3>; 3]) -> ([Jet<3>; 3], [Jet<3>; 9]) {
     (u, g)
 }
 
-fn manufactured_at(x: &[f64; 3]) -> ([f64; 3], [f64; 9]) {
-    let (u, g) = manufactured(&std::array::from_fn(|i| Jet::variable(x[i], i)));
+fn manufactured_at(x: &[f64; 3], isochoric: bool) -> ([f64; 3], [f64; 9]) {
+    let (u, g) = manufactured(&std::array::from_fn(|i| Jet::variable(x[i], i)), isochoric);
     (u.map(|j| j.re), g.map(|j| j.re))
 }
 
 /// −Div P of the manufactured state, exact by jets in X.
-fn body_force(x: &[f64; 3], params: &[f64]) -> [f64; 3] {
-    let (_, mut f) = manufactured(&std::array::from_fn(|i| Jet::variable(x[i], i)));
+fn body_force(law: &Hgo, x: &[f64; 3], params: &[f64], isochoric: bool) -> [f64; 3] {
+    let (_, mut f) = manufactured(&std::array::from_fn(|i| Jet::variable(x[i], i)), isochoric);
     for d in [0, 4, 8] {
         f[d] = f[d] + 1.0;
     }
     let p: Vec<Jet<3>> = params.iter().map(|&v| Jet::constant(v)).collect();
-    let stress = Law::<Jet<3>, 9>::respond(&Hgo::default(), &CTX, &f, &p, &[], &mut []).force;
+    let stress = Law::<Jet<3>, 9>::respond(law, &CTX, &f, &p, &[], &mut []).force;
     std::array::from_fn(|i| -(0..3).map(|j| stress[3 * i + j].eps[j]).sum::<f64>())
 }
 
-const CORNERS: [[f64; 3]; 8] = [[-1., -1., -1.], [1., -1., -1.], [1., 1., -1.], [-1., 1., -1.], [-1., -1., 1.], [1., -1., 1.], [1., 1., 1.], [-1., 1., 1.]];
+const CORNERS: [[f64; 3]; 8] = [
+    [-1., -1., -1.],
+    [1., -1., -1.],
+    [1., 1., -1.],
+    [-1., 1., -1.],
+    [-1., -1., 1.],
+    [1., -1., 1.],
+    [1., 1., 1.],
+    [-1., 1., 1.],
+];
 
 /// Shape values at a point of the reference cube.
 fn shape(xi: [f64; 3]) -> [f64; 8] {
@@ -361,8 +439,15 @@ fn shape(xi: [f64; 3]) -> [f64; 8] {
 
 /// Solves with the manufactured body force by a Newton iteration written here on fem's public
 /// assembly; returns L2 error, error of the gradient, and the residual norms of the iterations.
-fn solve_manufactured(n: usize, params: &[f64; 7]) -> (f64, f64, Vec<f64>) {
-    let problem = cube(n, 0.15, |x| manufactured_at(x).0);
+fn solve_manufactured(
+    n: usize,
+    law: Hgo,
+    params: &[f64; 7],
+    isochoric: bool,
+    disturbance: f64,
+) -> (f64, f64, Vec<f64>) {
+    let mut problem = cube(n, 0.15, |x| manufactured_at(x, isochoric).0);
+    problem.bulk = Arc::new(law);
     let body = &problem.body;
     let mut system = System::new(&problem).unwrap();
     let mut load = vec![0.0; 3 * body.nodes.len()];
@@ -371,7 +456,7 @@ fn solve_manufactured(n: usize, params: &[f64; 7]) -> (f64, f64, Vec<f64>) {
         for q in 0..8 {
             let shapes = shape(CORNERS[q].map(|c| c * g));
             let x: [f64; 3] = std::array::from_fn(|i| (0..8).map(|a| shapes[a] * body.nodes[h[a]][i]).sum());
-            let b = body_force(&x, params);
+            let b = body_force(&law, &x, params, isochoric);
             for a in 0..8 {
                 for i in 0..3 {
                     load[3 * h[a] + i] += system.geometry()[e].volumes[q] * shapes[a] * b[i];
@@ -381,46 +466,37 @@ fn solve_manufactured(n: usize, params: &[f64; 7]) -> (f64, f64, Vec<f64>) {
     }
     // Start from the interpolation of the exact field, disturbed inside.
     let mut r = noise(11);
-    let mut u: Vec<f64> = body.nodes.iter().flat_map(|x| manufactured_at(x).0).collect();
+    let mut u: Vec<f64> = body.nodes.iter().flat_map(|x| manufactured_at(x, isochoric).0).collect();
     for (dof, &eq) in system.equation.iter().enumerate() {
         if eq != fem::NONE {
-            u[dof] += 0.02 / n as f64 * r();
+            u[dof] += disturbance / n as f64 * r();
         }
     }
-    let local = problem.local(&params[..]);
-    let mut new = fem::History::virgin(&problem);
-    let old = new.clone();
-    let mut norms = Vec::new();
-    for _ in 0..12 {
-        system.assemble(&problem, &local, &CTX, &u, &old, &mut new).unwrap();
-        let mut rhs = vec![0.0; system.unknowns];
-        for (dof, &eq) in system.equation.iter().enumerate() {
-            if eq != fem::NONE {
-                rhs[eq] = load[dof] - system.residual[eq];
-            }
-        }
-        let norm = rhs.iter().map(|v| v * v).sum::<f64>().sqrt();
-        norms.push(norm);
-        if norm < 1e-11 * norms[0] {
+    let mut norms;
+    // A nearly incompressible body is approached through softer ones: the pressure of the
+    // interpolated field would make the first tangents indefinite.
+    let mut d = params[5].max(40.0);
+    loop {
+        d = params[5].max(d / 3.0);
+        let mut stage = *params;
+        stage[5] = d;
+        norms = newton(&problem, &mut system, &stage, &load, &mut u);
+        if d == params[5] {
             break;
         }
-        let values = system.values.clone();
-        system.factor.factorise(&values);
-        system.factor.solve(&mut rhs, 1).unwrap();
-        for (dof, &eq) in system.equation.iter().enumerate() {
-            if eq != fem::NONE {
-                u[dof] += rhs[eq];
-            }
-        }
     }
+    let relative = norms.last().unwrap() / norms[0];
+    assert!(relative < 1e-9 || *norms.last().unwrap() < 1e-13, "Newton stopped at {}", sci(&norms));
     let (mut l2, mut h1) = (0.0, 0.0);
     for (e, h) in body.hexes.iter().enumerate() {
         let geo = &system.geometry()[e];
         for q in 0..8 {
             let shapes = shape(CORNERS[q].map(|c| c * g));
-            let at = |v: &dyn Fn(usize, usize) -> f64, i: usize| -> f64 { (0..8).map(|a| shapes[a] * v(h[a], i)).sum() };
+            let at = |v: &dyn Fn(usize, usize) -> f64, i: usize| -> f64 {
+                (0..8).map(|a| shapes[a] * v(h[a], i)).sum()
+            };
             let x: [f64; 3] = std::array::from_fn(|i| at(&|m, i| body.nodes[m][i], i));
-            let (want, gradient) = manufactured_at(&x);
+            let (want, gradient) = manufactured_at(&x, isochoric);
             for i in 0..3 {
                 l2 += geo.volumes[q] * (at(&|m, i| u[3 * m + i], i) - want[i]).powi(2);
                 for j in 0..3 {
@@ -433,33 +509,88 @@ fn solve_manufactured(n: usize, params: &[f64; 7]) -> (f64, f64, Vec<f64>) {
     (l2.sqrt(), h1.sqrt(), norms)
 }
 
+/// Newton's method on the public assembly; residual norms of the iterations.
+fn newton(
+    problem: &Problem,
+    system: &mut System,
+    params: &[f64; 7],
+    load: &[f64],
+    u: &mut Vec<f64>,
+) -> Vec<f64> {
+    let local = problem.local(&params[..]);
+    let mut new = fem::History::virgin(problem);
+    let old = new.clone();
+    let (mut norms, mut last): (Vec<f64>, Vec<f64>) = (Vec::new(), u.clone());
+    for _ in 0..20 {
+        // A step that turns an element inside out is halved.
+        while system.assemble(problem, &local, &CTX, u, &old, &mut new).is_err() {
+            u.iter_mut().zip(&last).for_each(|(a, b)| *a = 0.5 * (*a + b));
+        }
+        let mut rhs = vec![0.0; system.unknowns];
+        for (dof, &eq) in system.equation.iter().enumerate() {
+            if eq != fem::NONE {
+                rhs[eq] = load[dof] - system.residual[eq];
+            }
+        }
+        let norm = rhs.iter().map(|v| v * v).sum::<f64>().sqrt();
+        norms.push(norm);
+        if norm < 1e-11 * norms[0] || norm < 1e-13 {
+            break;
+        }
+        let values = system.values.clone();
+        system.factor.factorise(&values);
+        system.factor.solve(&mut rhs, 1).unwrap();
+        last.clone_from(u);
+        for (dof, &eq) in system.equation.iter().enumerate() {
+            if eq != fem::NONE {
+                u[dof] += rhs[eq];
+            }
+        }
+    }
+    norms
+}
+
 #[test]
 fn manufactured_solution_converges_at_full_order() {
-    let mut peers = Tissue::peers(1.0, 0.1).bulk;
-    peers[1] = 0.1;
-    peers[2] = 2.0;
-    let nearly = {
-        let mut p = peers;
-        p[5] = 2.0 / 50.0;
-        p
-    };
-    for (name, params) in [("HGO, K0 = 1 MPa", peers), ("HGO, K0 = 50 MPa", nearly), ("neo-Hooke, K0 = 1e4 mu", Tissue::neo_hookean(0.01, 100.0))] {
-        let solved: Vec<_> = [4, 8, 16].map(|n| solve_manufactured(n, &params)).into();
-        let rate = |f: &dyn Fn(&(f64, f64, Vec<f64>)) -> f64, k: usize| (f(&solved[k]) / f(&solved[k + 1])).log2();
+    let mut soft = Tissue::peers(1.0, 0.1).bulk;
+    (soft[1], soft[2], soft[5]) = (0.02, 2.0, 2.0 / 0.1);
+    let mut stiff = soft;
+    stiff[5] = 2.0 / 2.0;
+    // Without the fibres' switch the solution is smooth, as the orders ask.
+    let (smooth, switch) = (Hgo { tension_only: false, ..Hgo::default() }, Hgo::default());
+    let cases = [
+        ("neo-Hooke, K0 = 5 mu", switch, Tissue::neo_hookean(0.01, 0.05), false, [1.8, 0.9]),
+        ("neo-Hooke, K0 = 200 mu, isochoric field", switch, Tissue::neo_hookean(0.01, 2.0), true, [1.8, 0.9]),
+        ("HGO without switch, K0 = 0.1 MPa", smooth, soft, false, [1.8, 0.9]),
+        ("HGO without switch, K0 = 2 MPa, isochoric field", smooth, stiff, true, [1.8, 0.9]),
+        ("HGO with tension switch, K0 = 0.1 MPa", switch, soft, false, [1.7, 0.8]),
+    ];
+    let mut bad = Vec::new();
+    for (name, law, params, isochoric, least) in cases {
+        let solved: Vec<_> = [4, 8, 16].map(|n| solve_manufactured(n, law, &params, isochoric, 0.0)).into();
+        let rate =
+            |f: &dyn Fn(&(f64, f64, Vec<f64>)) -> f64, k: usize| (f(&solved[k]) / f(&solved[k + 1])).log2();
         let (l2, h1) = ([0, 1].map(|k| rate(&|s| s.0, k)), [0, 1].map(|k| rate(&|s| s.1, k)));
-        println!("manufactured, {name}: L2 {:.2e} {:.2e} {:.2e} orders {l2:.2?}; gradient {:.2e} {:.2e} {:.2e} orders {h1:.2?}", solved[0].0, solved[1].0, solved[2].0, solved[0].1, solved[1].1, solved[2].1);
-        println!("  Newton residuals {:.1e?}", solved[1].2);
-        assert!(l2[1] > 1.8 && h1[1] > 0.9);
+        println!(
+            "manufactured, {name}: L2 {} orders {l2:.2?}; gradient {} orders {h1:.2?}",
+            sci(&solved.iter().map(|s| s.0).collect::<Vec<_>>()),
+            sci(&solved.iter().map(|s| s.1).collect::<Vec<_>>())
+        );
+        if !(l2[1] > least[0] && h1[1] > least[1]) {
+            bad.push(name);
+        }
     }
+    assert!(bad.is_empty(), "{bad:?}");
 }
 
 #[test]
 fn newton_is_quadratic_on_the_assembled_tangent() {
     // Neo-Hooke: smooth everywhere (the fibre switch makes the HGO residual only once differentiable).
-    let (_, _, norms) = solve_manufactured(4, &Tissue::neo_hookean(0.01, 1.0));
+    let (_, _, norms) = solve_manufactured(4, Hgo::default(), &Tissue::neo_hookean(0.01, 0.05), false, 0.1);
     let relative: Vec<f64> = norms.iter().map(|n| n / norms[0]).collect();
-    println!("Newton, neo-Hooke: relative residuals {relative:.1e?}");
-    let reduced: Vec<f64> = relative.windows(2).filter(|w| w[0] < 1e-1 && w[1] > 1e-12).map(|w| w[1].ln() / w[0].ln()).collect();
+    println!("Newton, neo-Hooke: relative residuals {}", sci(&relative));
+    let reduced: Vec<f64> =
+        relative.windows(2).filter(|w| w[0] < 2e-2 && w[1] > 1e-12).map(|w| w[1].ln() / w[0].ln()).collect();
     println!("  exponents {reduced:.2?}");
     assert!(relative.last().unwrap() < &1e-10 && norms.len() <= 7);
     assert!(reduced.iter().all(|&p| p > 1.7), "{reduced:?}");

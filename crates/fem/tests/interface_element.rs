@@ -24,7 +24,9 @@ fn case(name: &'static str, opening: [f64; 3], delta_max: f64, lambda: f64) -> C
             let tilt = [0.2, 0.3, -0.1][i] * x[a % 4][0] + [0.05, -0.2, 0.1][i] * x[a % 4][2];
             let apart = if a >= 4 { opening[i] } else { 0.0 };
             // The jump varies little: every point of a case stays on its branch.
-            tilt + wobble(a % 4, i) + apart + if a >= 4 { 0.1 * opening[i] * wobble(a, i) / 0.03 } else { 0.0 }
+            tilt + wobble(a % 4, i)
+                + apart
+                + if a >= 4 { 0.1 * opening[i] * wobble(a, i) / 0.03 } else { 0.0 }
         })
     });
     Case { name, x, u, old: vec![delta_max; 4], lambda }
@@ -51,7 +53,17 @@ fn forces(c: &Case, u: &[[f64; 3]; 8], rule: Integration) -> [[f64; 3]; 8] {
     let lower = std::array::from_fn(|a| u[a]);
     let upper = std::array::from_fn(|a| u[a + 4]);
     let mut new = c.old.clone();
-    interface::residual::<f64, f64>(LAW, &CTX, &params(c.lambda), &c.x, &lower, &upper, rule, &c.old, &mut new)
+    interface::residual::<f64, f64>(
+        LAW,
+        &CTX,
+        &params(c.lambda),
+        &c.x,
+        &lower,
+        &upper,
+        rule,
+        &c.old,
+        &mut new,
+    )
 }
 
 fn largest(f: &[[f64; 3]; 8]) -> f64 {
@@ -74,7 +86,9 @@ fn interface_tangent_is_the_derivative_of_the_residual() {
     for rule in [Integration::Gauss, Integration::Nodal] {
         for c in cases() {
             let mut new = c.old.clone();
-            let (r, k) = interface::tangent(0, LAW, &CTX, &params(c.lambda), &c.x, &c.u, rule, &c.old, &mut new).unwrap();
+            let (r, k) =
+                interface::tangent(0, LAW, &CTX, &params(c.lambda), &c.x, &c.u, rule, &c.old, &mut new)
+                    .unwrap();
             let scale = k.iter().flatten().fold(0.0f64, |m, v| m.max(v.abs()));
             let plain = forces(&c, &c.u, rule);
             let (mut difference, mut asymmetry) = (0.0f64, 0.0f64);
@@ -94,7 +108,10 @@ fn interface_tangent_is_the_derivative_of_the_residual() {
                     asymmetry = asymmetry.max((k[i][j] - k[j][i]).abs() / scale);
                 }
             }
-            println!("interface tangent, {rule:?}, {}: against differences {difference:.1e}, asymmetry {asymmetry:.1e}", c.name);
+            println!(
+                "interface tangent, {rule:?}, {}: against differences {difference:.1e}, asymmetry {asymmetry:.1e}",
+                c.name
+            );
             assert!(difference < 1e-9 && asymmetry < 1e-10, "{}", c.name);
         }
     }
@@ -110,7 +127,9 @@ fn interface_turns_with_its_frame() {
             std::array::from_fn(|i| now[i] - x[i] + 0.2)
         });
         let (f, g) = (forces(&c, &c.u, Integration::Gauss), forces(&c, &turned, Integration::Gauss));
-        let worst = (0..24).fold(0.0f64, |m, k| m.max((tensor::apply(&q, &f[k / 3])[k % 3] - g[k / 3][k % 3]).abs())) / largest(&f);
+        let worst = (0..24)
+            .fold(0.0f64, |m, k| m.max((tensor::apply(&q, &f[k / 3])[k % 3] - g[k / 3][k % 3]).abs()))
+            / largest(&f);
         println!("interface, rigid rotation, {}: {worst:.1e}", c.name);
         assert!(worst < 1e-12, "{}", c.name);
     }
@@ -141,15 +160,41 @@ fn interface_balances_forces_and_moments() {
 #[test]
 fn mirrored_element_is_the_full_one() {
     let base = case("", [0.0; 3], 0.0, 1.0);
-    for (uy, old) in [([0.1, 0.2, 0.15, 0.3], 0.0), ([0.1, 0.2, 0.15, 0.3], 1.0), ([-0.1, -0.2, -0.15, -0.1], 0.0)] {
+    for (uy, old) in
+        [([0.1, 0.2, 0.15, 0.3], 0.0), ([0.1, 0.2, 0.15, 0.3], 1.0), ([-0.1, -0.2, -0.15, -0.1], 0.0)]
+    {
         let u: [[f64; 3]; 8] = std::array::from_fn(|a| [0.0, if a < 4 { -uy[a] } else { uy[a - 4] }, 0.0]);
         let history = vec![old; 4];
         let mut new = history.clone();
-        let (r, k) = interface::mirrored_tangent(0, LAW, &CTX, &params(1.0), &base.x, &uy, Integration::Gauss, &history, &mut new).unwrap();
-        let (full, kf) = interface::tangent(0, LAW, &CTX, &params(1.0), &base.x, &u, Integration::Gauss, &history, &mut new).unwrap();
+        let (r, k) = interface::mirrored_tangent(
+            0,
+            LAW,
+            &CTX,
+            &params(1.0),
+            &base.x,
+            &uy,
+            Integration::Gauss,
+            &history,
+            &mut new,
+        )
+        .unwrap();
+        let (full, kf) = interface::tangent(
+            0,
+            LAW,
+            &CTX,
+            &params(1.0),
+            &base.x,
+            &u,
+            Integration::Gauss,
+            &history,
+            &mut new,
+        )
+        .unwrap();
         let scale = k.iter().flatten().fold(0.0f64, |m, v| m.max(v.abs()));
         for a in 0..4 {
-            assert!((r[a] - full[3 * (a + 4) + 1]).abs() < 1e-13 * largest(&[[r[0], r[1], r[2]]; 8]).max(scale));
+            assert!(
+                (r[a] - full[3 * (a + 4) + 1]).abs() < 1e-13 * largest(&[[r[0], r[1], r[2]]; 8]).max(scale)
+            );
             for b in 0..4 {
                 let (i, upper, lower) = (3 * (a + 4) + 1, 3 * (b + 4) + 1, 3 * b + 1);
                 assert!((k[a][b] - (kf[i][upper] - kf[i][lower])).abs() < 1e-12 * scale);

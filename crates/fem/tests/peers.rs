@@ -14,7 +14,8 @@ struct Curve {
 fn curve(name: &str) -> Curve {
     let path = format!("{}/../../tests/data/peers/{name}.csv", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
-    let column = |c: usize| text.lines().skip(1).map(|l| l.split(',').nth(c).unwrap().parse().unwrap()).collect();
+    let column =
+        |c: usize| text.lines().skip(1).map(|l| l.split(',').nth(c).unwrap().parse().unwrap()).collect();
     Curve { u: column(1), force: column(2) }
 }
 
@@ -26,7 +27,10 @@ fn tension(name: &str, divisions: [usize; 3], bulk_modulus: f64, quarter: bool) 
     let run = complete(&problem, &theta, &targets, shipped());
     let steps = forces(&run).into_iter().zip(&data.force).skip(1);
     let worst = steps.fold(0.0f64, |m, (f, d)| m.max((f / d - 1.0).abs()));
-    println!("{name}, quarter {quarter}: worst relative difference {worst:.1e}, ledger open by {:.1e}", worst_closure(&run));
+    println!(
+        "{name}, quarter {quarter}: worst relative difference {worst:.1e}, ledger open by {:.1e}",
+        worst_closure(&run)
+    );
     assert!(worst < 1e-5, "{worst:e}");
     assert!(worst_closure(&run) < 1e-3);
 }
@@ -91,10 +95,9 @@ fn peers_tear_sc01_full_height() {
     tear(false);
 }
 
-/// Actuator displacements where the path turns back, refined by a parabola through three points.
+/// Actuator displacements where the path turns back.
 fn turning_points(run: &Run) -> Vec<f64> {
-    let path: Vec<(f64, f64)> = run.steps.iter().map(|s| (s.actuator, s.grip)).collect();
-    let u: Vec<f64> = path.iter().map(|p| p.0).collect();
+    let u: Vec<f64> = run.steps.iter().map(|s| s.actuator).collect();
     (1..u.len() - 1).filter(|&i| (u[i] - u[i - 1]) * (u[i + 1] - u[i]) < 0.0).map(|i| u[i]).collect()
 }
 
@@ -151,7 +154,8 @@ fn peers_snap_back_passed_by_a_jump() {
     assert!((jump.released / area - 1.0).abs() < 0.01);
     assert!(worst_closure(&run) < 1e-3);
     let last = run.steps.last().unwrap();
-    assert!((last.ledger.external_work + 0.0 - last.ledger.gap() - 0.69 - 0.0).abs() < 0.69 * 3e-3 + last.ledger.released_in_jumps);
+    // What was not set free went into the tear.
+    assert!(((last.ledger.external_work - jump.released) / 0.69 - 1.0).abs() < 3e-3);
     assert!(run.steps.iter().all(|s| s.negative_pivots == 0), "no unstable state is an answer of the rig");
 }
 
@@ -182,11 +186,25 @@ fn peers_torch_fem_derivatives_roughly() {
     let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c as _).collect();
     let mut system = System::new(&problem).unwrap();
     let targets = plan(ramp(0.0, 2.0, 10));
-    let run = march(&problem, &theta, &mut system, None, &targets, &mut columns, &NoObserver, shipped(), None, &|| false);
+    let run = march(
+        &problem,
+        &theta,
+        &mut system,
+        None,
+        &targets,
+        &mut columns,
+        &NoObserver,
+        shipped(),
+        None,
+        &|| false,
+    );
     let mut ours = run.steps.last().unwrap().derivatives.force.clone();
     ours[4] *= -theta[5] / 1.0; // dF/dK = dF/dD · dD/dK, D = 2/K, K = 1
-    println!("dF/d[mu, k1, k2, kappa, K] at u = 2: {ours:.5?} against torch-fem (stiffer element) {theirs:?}");
-    for (a, b) in ours.iter().zip(theirs) {
-        assert!((a / b - 1.0).abs() < 0.06, "{a} against {b}");
+    println!(
+        "dF/d[mu, k1, k2, kappa, K] at u = 2: {ours:.5?} against torch-fem (stiffer element) {theirs:?}"
+    );
+    // The bulk modulus is what the plain element gets wrong: hence the wider margin of the last.
+    for ((a, b), margin) in ours.iter().zip(theirs).zip([0.02, 0.02, 0.02, 0.02, 0.1]) {
+        assert!((a / b - 1.0).abs() < margin, "{a} against {b}");
     }
 }

@@ -82,11 +82,14 @@ pub struct Discretisation {
     pub split: usize,
     /// Element sizes multiplied by this.
     pub coarsen: f64,
+    /// Keep the half-height model although an effect breaks the mirror: exact to first order at
+    /// the effect's neutral value (a clamp turned by θ against the other is ±θ/2 to the middle).
+    pub neutral_halves: bool,
 }
 
 impl Default for Discretisation {
     fn default() -> Self {
-        Self { split: 1, coarsen: 1.0 }
+        Self { split: 1, coarsen: 1.0, neutral_halves: false }
     }
 }
 
@@ -97,7 +100,7 @@ impl Model {
     /// [`BuildError`] naming the test.
     pub fn new(case: Arc<Case>, catalogue: &Catalogue, how: Discretisation) -> Result<Self, BuildError> {
         let mut builder = Builder::new(&case, catalogue)?;
-        let half_height = builder.active.iter().all(|a| !a.effect.card().breaks_half_height);
+        let half_height = how.neutral_halves || builder.active.iter().all(|a| !a.effect.card().breaks_half_height);
         let tests = case
             .tests
             .iter()

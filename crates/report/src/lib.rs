@@ -1,1 +1,31 @@
-//! x
+//! The only writer: run directories, answers, curves, fields, figures, HTML, terminal tables.
+//!
+//! A run directory is written beside its place and moved there whole ([`RunDir`]); answers are plain
+//! structures that serialise to the JSON of the contract ([`answer`]); everything that is shown
+//! (terminal, HTML, figures) is made from those answers, so that a stored run shows the same.
+#![warn(missing_docs)]
+
+pub mod answer;
+mod curves;
+mod error;
+pub mod fields;
+pub mod figures;
+pub mod html;
+mod published;
+mod rundir;
+mod runs;
+mod search_log;
+mod store;
+mod synthetic;
+mod tables;
+pub mod terminal;
+
+pub use curves::{Curve, identified_curves, simulated_curve};
+pub use error::ReportError;
+pub use published::Published;
+pub use rundir::{RunDir, write_atomic};
+pub use runs::{InputFile, RunInfo, StoredRun, inputs_of};
+pub use search_log::SearchLog;
+pub use store::{Partial, store_identify, store_partial, store_simulate};
+pub use synthetic::{SyntheticFile, synthetic_files};
+pub use tables::{history_csv, jacobian_csv};

@@ -25,7 +25,9 @@ static CARD: Card = Card {
     look_alikes: &[],
     separated_by: "an unloading with reloading beyond the old maximum: the reloading curve rejoins the first one there",
     excludes: &[],
-    needs: &["unloading"],
+    // A second test of the same piece shows it without unloading segments, and so does the tissue
+    // behind a tear.
+    needs: &[],
     screening: Screening::Score(Sided::Positive),
     negative_control: false,
     breaks_half_height: false,
@@ -48,7 +50,7 @@ fn own_parameters() -> Vec<ParamSpec> {
             1e-4,
             "energy distance over which softening sets in",
         ),
-        ParamSpec::new("beta", "β", Dimensionless, (0.0, 5.0), 0.3, "share of Ψmax in that distance").fixed(),
+        ParamSpec::new("beta", "β", Dimensionless, (0.0, 5.0), 0.2, "share of Ψmax in that distance"),
     ]
 }
 
@@ -62,12 +64,15 @@ impl Effect for Mullins {
     }
 
     fn shapes(&self, scales: &Scales) -> Vec<Vec<f64>> {
-        // From an abrupt softening to one spread over the whole energy range.
-        [0.003, 0.03, 0.3].map(|share| vec![0.0, in_bounds(share * scales.energy), 0.3]).to_vec()
+        // Abrupt softening to one spread over the whole energy range, at a distance of its own or
+        // in proportion to the energy reached.
+        [(0.003, 0.0), (0.03, 0.0), (0.3, 0.0), (0.001, 0.2), (0.001, 1.0)]
+            .map(|(share, beta)| vec![0.0, in_bounds(share * scales.energy), beta])
+            .to_vec()
     }
 
     fn start(&self, scales: &Scales) -> Vec<f64> {
-        vec![0.2, in_bounds(0.05 * scales.energy), 0.3]
+        vec![0.2, in_bounds(0.02 * scales.energy), 0.2]
     }
 
     fn act(&self, _options: &Options, _piece: &Piece) -> Action {

@@ -28,7 +28,8 @@ static CARD: Card = Card {
     look_alikes: &["lag"],
     separated_by: "a hold of several τ at constant displacement: a late sensor settles within its delay, tissue relaxes on",
     excludes: &[],
-    needs: &["pause"],
+    // Loops of unloading show it without a pause.
+    needs: &[],
     screening: Screening::Score(Sided::Positive),
     negative_control: false,
     breaks_half_height: false,

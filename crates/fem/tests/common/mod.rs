@@ -2,7 +2,10 @@
 #![allow(dead_code)]
 
 use fem::interface::Integration;
-use fem::{Blend, Body, Ledger, MarchOptions, NewtonOptions, NoObserver, Path, Prescribed, Problem, Run, StepRecord, System, Target, march};
+use fem::{
+    Blend, Body, Ledger, MarchOptions, NewtonOptions, NoObserver, Path, Prescribed, Problem, Run, StepRecord,
+    System, Target, march,
+};
 use mesh::{Mesh, Sizing, Strip};
 use std::sync::Arc;
 
@@ -126,7 +129,9 @@ pub fn problem(strip: &Strip, ends: Ends, areas: usize) -> Problem {
         params: (0..body.cohesive.len())
             .map(|e| {
                 let area = mesh.area(e, areas);
-                std::array::from_fn(|_| [GC + area, GC + areas + area, LAMBDA, PENALTY].map(Blend::one).to_vec())
+                std::array::from_fn(|_| {
+                    [GC + area, GC + areas + area, LAMBDA, PENALTY].map(Blend::one).to_vec()
+                })
             })
             .collect(),
         position: vec![[0.5; 4]; body.cohesive.len()],
@@ -162,7 +167,9 @@ pub fn shipped() -> MarchOptions {
 
 /// Targets one second apart, the start first.
 pub fn plan(displacements: impl IntoIterator<Item = f64>) -> Vec<Target> {
-    std::iter::once(Target::new(0.0, 0.0)).chain(displacements.into_iter().map(|u| Target::new(u, 1.0))).collect()
+    std::iter::once(Target::new(0.0, 0.0))
+        .chain(displacements.into_iter().map(|u| Target::new(u, 1.0)))
+        .collect()
 }
 
 /// `n` equal steps from (not with) `from` to `to`.
@@ -240,4 +247,9 @@ pub fn worst(a: &[f64], b: &[f64]) -> f64 {
 /// Order observed from three meshes or steps, each finer by `factor`.
 pub fn order(values: [f64; 3], factor: f64) -> f64 {
     ((values[0] - values[1]) / (values[1] - values[2])).abs().ln() / factor.ln()
+}
+
+/// Numbers with one digit and exponent.
+pub fn sci(values: &[f64]) -> String {
+    values.iter().map(|v| format!("{v:.1e}")).collect::<Vec<_>>().join(" ")
 }

@@ -5,8 +5,8 @@ use crate::published::Published;
 use analysis::{HistoryEntry, Identified, SimulatedTest};
 use inverse::Quality;
 use model::Channel;
+use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 
 /// A finished identification.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -22,10 +22,10 @@ pub struct IdentifyAnswer {
     /// Every free parameter.
     pub parameters: Vec<ParameterAnswer>,
     /// Fit of each test's force, by test.
-    pub tests: BTreeMap<String, TestFit>,
+    pub tests: IndexMap<String, TestFit>,
     /// Fit of the camera channels, by `test.channel`; misfits in mm.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub channels: BTreeMap<String, TestFit>,
+    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
+    pub channels: IndexMap<String, TestFit>,
     /// Root mean square misfit over all force points, N.
     pub rms_N: f64,
     /// χ² per degree of freedom with the record's noise alone.
@@ -246,7 +246,7 @@ fn summary(p: &Published, parameters: &[ParameterAnswer]) -> PublishedSummary {
     }
 }
 
-type Fits = BTreeMap<String, TestFit>;
+type Fits = IndexMap<String, TestFit>;
 
 fn fits(done: &Identified, replayed: &[SimulatedTest]) -> (Fits, Fits) {
     let (mut tests, mut channels) = (Fits::new(), Fits::new());

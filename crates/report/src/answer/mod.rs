@@ -1,8 +1,10 @@
-//! The answers of the commands as they are printed and stored.
+//! The answers of the commands as they are printed and stored. Field names are the contract's.
+#![allow(non_snake_case)]
 
 mod identify;
 mod simulate;
 
+pub(crate) use identify::histories;
 pub use identify::{IdentifyAnswer, ParameterAnswer, PublishedSummary, StageEnd, StageHistory, TestFit, Trial};
 pub use simulate::{EnergyAnswer, JumpAnswer, SimulateAnswer, SolverAnswer, TestCurve};
 

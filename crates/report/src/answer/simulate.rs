@@ -3,8 +3,8 @@
 use super::SCHEMA;
 use analysis::{Simulated, SimulatedTest};
 use fem::Ledger;
+use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 
 /// Forward runs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -18,7 +18,7 @@ pub struct SimulateAnswer {
     /// Effects in the model.
     pub effects: Vec<String>,
     /// Curves by test.
-    pub tests: BTreeMap<String, TestCurve>,
+    pub tests: IndexMap<String, TestCurve>,
     /// What the solver did.
     pub solver: SolverAnswer,
     /// Why the runs ended early, if they did.

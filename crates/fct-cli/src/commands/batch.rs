@@ -1,0 +1,87 @@
+//! `fct batch`: many specimens; one that fails does not stop the others.
+
+use super::identify::identify;
+use crate::outcome::{Failure, Outcome};
+use crate::session::{Session, file_name};
+use ::report::answer::{IdentifyAnswer, SCHEMA};
+use ::report::terminal;
+use rayon::prelude::*;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `fct batch`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Specimens or configs
+    #[arg(value_name = "FILE", required = true)]
+    pub files: Vec<PathBuf>,
+}
+
+/// A specimen that gave no answer.
+type Failed = (PathBuf, Failure);
+
+/// Identifies every file; `--out` is the directory of the run directories.
+///
+/// # Errors
+/// None but the writing of the answer: failures are part of it (exit code 1, or 2 if every file is
+/// bad input).
+pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
+    let base = session.common.out.clone().unwrap_or_else(|| "runs".into());
+    let places = places(&arguments.files, &base, session);
+    let results: Vec<Result<IdentifyAnswer, Failed>> = places
+        .into_par_iter()
+        .map(|(file, read)| {
+            let (case, place) = read.map_err(|e| (file.clone(), e))?;
+            let progress = session.progress(&case.name);
+            identify(&case, &place, session, &progress).map(|(answer, _)| answer).map_err(|e| (file, e))
+        })
+        .collect();
+    let (mut answers, mut failed) = (Vec::new(), Vec::new());
+    for result in results {
+        match result {
+            Ok(answer) => answers.push(answer),
+            Err(failure) => failed.push(failure),
+        }
+    }
+    tell(&answers, failed, session)
+}
+
+type Read = (PathBuf, Result<(std::sync::Arc<input::Case>, PathBuf), Failure>);
+
+/// Reads all files; two specimens of one name get run directories of their own.
+fn places(files: &[PathBuf], base: &Path, session: &Session) -> Vec<Read> {
+    let mut taken: Vec<String> = Vec::new();
+    files
+        .iter()
+        .map(|file| {
+            let read = session.case(file).map(|case| {
+                let name = file_name(&case.name);
+                let count = taken.iter().filter(|t| **t == name).count();
+                taken.push(name.clone());
+                let folder = if count == 0 { name } else { format!("{name}-{}", count + 1) };
+                (case, base.join(folder))
+            });
+            (file.clone(), read)
+        })
+        .collect()
+}
+
+fn tell(answers: &[IdentifyAnswer], failed: Vec<Failed>, session: &Session) -> Result<Outcome, Failure> {
+    let rows = terminal::batch_rows(answers);
+    let mut text = terminal::batch(&rows, session.style());
+    text.push('\n');
+    for (file, failure) in &failed {
+        text.push_str(&format!("failed: {}: {}\n", file.display(), failure.message));
+    }
+    let reasons: Vec<_> = failed.iter().map(|(file, f)| json!({ "file": file, "reason": f.message })).collect();
+    let json = json!({ "schema": SCHEMA, "specimens": answers, "failed": reasons, "table": rows });
+    if answers.is_empty() && failed.iter().all(|f| f.1.code == 2) {
+        let message = failed.iter().map(|f| f.1.message.clone()).collect::<Vec<_>>().join("\n");
+        return Err(Failure { code: 2, message, json });
+    }
+    let mut outcome = Outcome::new(&json, text)?;
+    if !failed.is_empty() {
+        outcome.partial = Some(format!("{} of {} files failed", failed.len(), failed.len() + answers.len()));
+    }
+    Ok(outcome)
+}

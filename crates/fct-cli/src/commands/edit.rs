@@ -1,0 +1,78 @@
+//! What `add` and `drop` share: from a run or a file to the text of a config, and writing it.
+
+use crate::outcome::Failure;
+use crate::session::Session;
+use ::report::{ReportError, write_atomic};
+use input::edit::{self, EditError};
+use std::path::{Path, PathBuf};
+
+/// The text to be changed and where it comes from.
+pub struct Source {
+    /// The TOML file.
+    pub file: PathBuf,
+    /// The run directory, if one was named.
+    pub run: Option<PathBuf>,
+    /// Its text.
+    pub text: String,
+}
+
+/// Reads a config, or the input of a run.
+///
+/// # Errors
+/// If there is no such file.
+pub fn source(path: &Path) -> Result<Source, Failure> {
+    let run = path.is_dir().then(|| path.to_owned());
+    let file = if run.is_some() { path.join("run.toml") } else { path.to_owned() };
+    let text = std::fs::read_to_string(&file).map_err(ReportError::io(&file, "read")).map_err(Failure::from);
+    let text = text.map_err(|e| Failure { code: 2, ..e })?;
+    Ok(Source { file, run, text })
+}
+
+/// Checks the changed text by reading it, then writes it; the file's relative paths follow it.
+///
+/// # Errors
+/// If the changed config is not valid, or cannot be written.
+pub fn write(source: &Source, text: &str, ending: &str, session: &Session) -> Result<PathBuf, Failure> {
+    let out = session.common.out.clone().unwrap_or_else(|| beside(source, ending));
+    if out.is_dir() {
+        return Err(Failure::usage(format!("fct: {}: this is a directory; --out names a file here", out.display())));
+    }
+    let fault = |e: EditError| Failure::usage(format!("fct: {}: {e}", source.file.display()));
+    let mut text = edit::rebase(text, folder(&source.file), folder(&out)).map_err(fault)?;
+    if let Some(run) = &source.run {
+        let parent = std::path::absolute(run).unwrap_or_else(|_| run.clone());
+        text = edit::set_parent(&text, &parent.to_string_lossy()).map_err(fault)?;
+    }
+    validate(&text, &out, session)?;
+    write_atomic(&out, text.as_bytes())?;
+    Ok(out)
+}
+
+/// Reads the changed text as the commands will, from a file beside the one to be written.
+fn validate(text: &str, out: &Path, session: &Session) -> Result<(), Failure> {
+    let name = out.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    let trial = out.with_file_name(format!(".{name}.check.toml"));
+    write_atomic(&trial, text.as_bytes())?;
+    let read = input::read_case(&trial, &session.catalogue);
+    let _ = std::fs::remove_file(&trial);
+    read.map(|_| ()).map_err(Failure::from)
+}
+
+fn folder(file: &Path) -> &Path {
+    file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// `strip+viscoelastic.toml` beside `strip.toml`; for a run, named after its directory, beside it.
+fn beside(source: &Source, ending: &str) -> PathBuf {
+    match &source.run {
+        Some(run) => {
+            let run = std::path::absolute(run).unwrap_or_else(|_| run.clone());
+            let name = run.file_name().map_or_else(|| "run".into(), |n| n.to_string_lossy().into_owned());
+            run.with_file_name(format!("{name}{ending}.toml"))
+        }
+        None => {
+            let stem = source.file.file_stem().map_or_else(|| "config".into(), |n| n.to_string_lossy().into_owned());
+            source.file.with_file_name(format!("{stem}{ending}.toml"))
+        }
+    }
+}

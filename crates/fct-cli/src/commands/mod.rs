@@ -1,0 +1,42 @@
+//! One file per command: arguments, what is asked of the libraries, what is shown.
+
+pub mod add;
+pub mod batch;
+pub mod check;
+pub mod compare;
+pub mod diagnose;
+pub mod discover;
+pub mod drop;
+mod edit;
+pub mod effects;
+pub mod identify;
+pub mod ladder;
+pub mod new;
+pub mod report;
+pub mod simulate;
+
+use crate::cli::Command;
+use crate::outcome::{Failure, Outcome};
+use crate::session::Session;
+
+/// Runs a command.
+///
+/// # Errors
+/// Why it gave no answer.
+pub fn run(command: &Command, session: &Session) -> Result<Outcome, Failure> {
+    match command {
+        Command::New(a) => new::run(a, session),
+        Command::Check(a) => check::run(a, session),
+        Command::Simulate(a) => simulate::run(a, session),
+        Command::Identify(a) => identify::run(a, session),
+        Command::Compare(a) => compare::run(a, session),
+        Command::Diagnose(a) => diagnose::run(a, session),
+        Command::Add(a) => add::run(a, session),
+        Command::Drop(a) => drop::run(a, session),
+        Command::Discover(a) => discover::run(a, session),
+        Command::Ladder(a) => ladder::run(a, session),
+        Command::Batch(a) => batch::run(a, session),
+        Command::Effects(a) => effects::run(a, session),
+        Command::Report(a) => report::run(a, session),
+    }
+}

@@ -1,0 +1,51 @@
+//! `fct simulate`: forward runs at the file's values.
+
+use crate::outcome::{Failure, Outcome};
+use crate::session::Session;
+use ::report::answer::SimulateAnswer;
+use ::report::{RunDir, store_simulate, terminal};
+use analysis::SimulateControl;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Arguments of `fct simulate`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// A specimen or a config
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+}
+
+/// Runs every test and writes the run directory.
+///
+/// # Errors
+/// Bad input, or a directory that cannot be written. A run that ends early is a partial answer.
+pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
+    let case = session.case(&arguments.file)?;
+    let place = session.place(&case);
+    if let Some(answer) = session.finished("simulate", &case, &place).and_then(|r| r.simulate()) {
+        return show(&answer, session);
+    }
+    let dir = RunDir::begin(&place)?;
+    let begun = Instant::now();
+    let done = {
+        let progress = session.progress(&case.name);
+        let control = SimulateControl {
+            progress: &|done, total| progress.steps(done, total),
+            cancelled: &|| session.cancelled(),
+        };
+        analysis::simulate(case.clone(), &session.catalogue, &control)?
+    };
+    let answer = SimulateAnswer::new(&done, begun.elapsed().as_secs_f64());
+    let info = session.info("simulate", &case, answer.stopped_because.is_none());
+    store_simulate(&dir, &done, &answer, &info)?;
+    let place = dir.finish()?;
+    session.say(&format!("written: {}", place.display()));
+    show(&answer, session)
+}
+
+fn show(answer: &SimulateAnswer, session: &Session) -> Result<Outcome, Failure> {
+    let mut outcome = Outcome::new(answer, terminal::simulate(answer, session.style()))?;
+    outcome.partial.clone_from(&answer.stopped_because);
+    Ok(outcome)
+}

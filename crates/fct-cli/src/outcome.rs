@@ -1,0 +1,119 @@
+//! How a command ends: what goes to stdout, what to stderr, and the exit code.
+
+use analysis::AnalysisError;
+use input::Diagnostics;
+use report::ReportError;
+use report::answer::SCHEMA;
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::io::Write;
+use std::process::ExitCode;
+
+/// A command that gave an answer.
+#[derive(Debug)]
+pub struct Outcome {
+    /// The answer for `--json`.
+    pub json: Value,
+    /// The answer for people.
+    pub text: String,
+    /// Why it is only a partial answer (exit code 1).
+    pub partial: Option<String>,
+}
+
+/// A command that gave none.
+#[derive(Debug)]
+pub struct Failure {
+    /// 1: could not compute; 2: bad input or usage.
+    pub code: u8,
+    /// The reason, for people.
+    pub message: String,
+    /// The same as data.
+    pub json: Value,
+}
+
+impl Outcome {
+    /// An answer.
+    ///
+    /// # Errors
+    /// If the answer cannot be written as JSON.
+    pub fn new<T: Serialize>(answer: &T, text: String) -> Result<Self, Failure> {
+        let json = serde_json::to_value(answer).map_err(|e| Failure::compute(format!("the answer is no JSON: {e}")))?;
+        Ok(Self { json, text, partial: None })
+    }
+
+    /// Prints the answer.
+    pub fn tell(self, json: bool) -> ExitCode {
+        if json {
+            print(&format!("{}\n", self.json));
+        } else {
+            print(&self.text);
+        }
+        match self.partial {
+            None => ExitCode::SUCCESS,
+            Some(why) => {
+                eprintln!("fct: {why}");
+                ExitCode::from(1)
+            }
+        }
+    }
+}
+
+impl Failure {
+    /// Could not compute.
+    pub fn compute(message: impl Into<String>) -> Self {
+        Self::new(1, message.into())
+    }
+
+    /// Bad input or usage.
+    pub fn usage(message: impl Into<String>) -> Self {
+        Self::new(2, message.into())
+    }
+
+    /// A part of the program that is still to come.
+    pub fn not_available(command: &str) -> Self {
+        Self::compute(format!("`fct {command}` is not available yet in this version"))
+    }
+
+    fn new(code: u8, message: String) -> Self {
+        let json = json!({ "schema": SCHEMA, "error": { "code": code, "reason": message } });
+        Self { code, message, json }
+    }
+
+    /// Prints the reason.
+    pub fn tell(self, json: bool) -> ExitCode {
+        if json {
+            print(&format!("{}\n", self.json));
+        }
+        eprintln!("{}", self.message);
+        ExitCode::from(self.code)
+    }
+}
+
+/// A closed pipe (`fct … | head`) is no fault of the user's.
+fn print(text: &str) {
+    let _ = std::io::stdout().write_all(text.as_bytes());
+}
+
+impl From<Diagnostics> for Failure {
+    fn from(faults: Diagnostics) -> Self {
+        let message = faults.to_string();
+        let json = json!({ "schema": SCHEMA, "error": { "code": 2, "reason": message, "faults": faults } });
+        Self { code: 2, message, json }
+    }
+}
+
+impl From<ReportError> for Failure {
+    fn from(e: ReportError) -> Self {
+        let usage = !matches!(e, ReportError::Io { .. } | ReportError::Figure { .. });
+        if usage { Self::usage(format!("fct: {e}")) } else { Self::compute(format!("fct: {e}")) }
+    }
+}
+
+impl From<AnalysisError> for Failure {
+    fn from(e: AnalysisError) -> Self {
+        match e {
+            AnalysisError::Build(_) | AnalysisError::Record(_) | AnalysisError::Case(_) => Self::usage(format!("fct: {e}")),
+            _ => Self::compute(format!("fct: {e}")),
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! Double cantilever beam against corrected beam theory and LEFM.
+//!
+//! Elastic arms (k1 = 0, ν = 0), pulled at the mouth. Corrected beam theory (Hashemi, Kinloch &
+//! Williams 1990, 10.1098/rspa.1990.0007): δ = 8 P (a + χh)³/(E b h³), with the crack lengthened by
+//! χh for the root's rotation; in growth G = 12 P² (a + χh)²/(E b² h³) = Gc. Measured here: compliance before
+//! growth, and the energy release rate G = Gc along the plateau from P and δ alone (the effective
+//! crack length from the compliance), which needs no χ and no knowledge of the process zone.
+mod common;
+
+use common::*;
+use mesh::{Sizing, Strip};
+
+const E: f64 = 1e4;
+const H: f64 = 1.0;
+const A0: f64 = 10.0;
+const GC: f64 = 0.01;
+
+struct Dcb {
+    /// Compliance before growth over that of corrected beam theory.
+    compliance: f64,
+    /// Gc-measured over Gc, mean and spread along the plateau.
+    release: (f64, f64),
+    closure: f64,
+    /// Peak force over LEFM with corrected beam theory.
+    peak: f64,
+}
+
+fn dcb(n: usize, sigma_c: f64) -> Dcb {
+    let size = H / n as f64;
+    let width = 20.0;
+    let strip = Strip {
+        cut: A0,
+        tear: true,
+        sizing: Sizing::Divisions([(width / size).round() as usize, 2 * n, 2]),
+        half_height: true,
+        half_thickness: true,
+        ..Strip::new(2.0 * H, width, 1.0)
+    };
+    let problem = problem(&strip, Ends::Mouth, 1);
+    let tissue = Tissue {
+        // ν = 0: μ = E/2, K0 = E/3; plane stress and plane strain are then one.
+        bulk: Tissue::neo_hookean(E / 2.0, E / 3.0),
+        lambda: 1.0,
+        penalty: cohesive::initial_stiffness(GC, sigma_c),
+        gc: GC,
+        sigma_c,
+    };
+    let run = complete(
+        &problem,
+        &tissue.theta(1),
+        &plan([0.01].into_iter().chain(ramp(0.01, 0.55, 54))),
+        shipped(),
+    );
+    let shear = E / 2.0;
+    let gamma = 1.18 * E / shear;
+    let chi = (E / (11.0 * shear) * (3.0 - 2.0 * (gamma / (1.0 + gamma)).powi(2))).sqrt();
+    let beam = |a: f64| 8.0 * (a + chi * H).powi(3) / (E * H.powi(3));
+    let first = &run.steps[1];
+    let compliance = first.actuator / first.force / beam(A0);
+    // LEFM: P = sqrt(Gc E h³/12)/(a + χh).
+    let critical = (GC * E * H.powi(3) / 12.0).sqrt() / (A0 + chi * H);
+    let mut release = Vec::new();
+    for s in &run.steps {
+        // Effective length from compliance; plateau: grown by 1.5 to 5 mm, far from the far edge.
+        let a = (E * H.powi(3) * s.actuator / (8.0 * s.force)).cbrt();
+        if (A0 + 2.5..A0 + 6.0).contains(&a) {
+            release.push(12.0 * (s.force * a).powi(2) / (E * H.powi(3)) / GC);
+        }
+    }
+    assert!(release.len() > 8, "{} points on the plateau", release.len());
+    let mean = release.iter().sum::<f64>() / release.len() as f64;
+    let spread = release.iter().fold(0.0f64, |m, r| m.max((r - mean).abs()));
+    Dcb { compliance, release: (mean, spread), closure: worst_closure(&run), peak: peak(&run) / critical }
+}
+
+#[test]
+fn dcb_against_corrected_beam_theory() {
+    println!(
+        "DCB: bricks per arm height, σc: compliance/CBT, Gc from the plateau/Gc (± spread), peak/LEFM, ledger"
+    );
+    let mut results = Vec::new();
+    for (n, sigma_c) in [(4, 5.0), (8, 5.0), (8, 10.0)] {
+        let r = dcb(n, sigma_c);
+        println!(
+            "  {n}, {sigma_c:4} MPa (δc = {:.2e} mm): {:.4}, {:.4} ± {:.4}, {:.4}, {:.1e}",
+            GC / (std::f64::consts::E * sigma_c),
+            r.compliance,
+            r.release.0,
+            r.release.1,
+            r.peak,
+            r.closure
+        );
+        results.push(r);
+    }
+    let finest = &results[2];
+    assert!((finest.compliance - 1.0).abs() < 0.03);
+    assert!((finest.release.0 - 1.0).abs() < 0.02 && finest.release.1 < 0.01);
+    assert!(results.iter().all(|r| r.closure < 1e-3));
+    assert!((finest.peak - 1.0).abs() < 0.04);
+}

@@ -1,0 +1,88 @@
+//! Full, half and quarter models are one; the same bits on one and two threads.
+mod common;
+
+use common::*;
+use fem::sensitivity::{Columns, columns_for};
+use fem::{NoObserver, System, march};
+use mesh::Strip;
+use std::sync::Arc;
+
+fn compare(tear: bool, top: f64) {
+    let theta = Tissue::peers(1.0, 0.1).theta(1);
+    let up = ramp(0.0, top, 6);
+    let targets = plan(up.chain(ramp(top, 0.5 * top, 2)).chain(ramp(0.5 * top, 1.2 * top, 3)));
+    let curves: Vec<Vec<f64>> = [(false, false), (false, true), (true, false), (true, true)]
+        .map(|(half_height, half_thickness)| {
+            let strip = Strip { half_height, half_thickness, ..peer_strip([4, 10, 2], tear, false) };
+            forces(&complete(&problem(&strip, Ends::Clamped, 1), &theta, &targets, tight()))
+        })
+        .into();
+    let differences: Vec<f64> = curves[1..].iter().map(|c| worst(c, &curves[0])).collect();
+    println!("full against half thickness, half height, quarter (tear {tear}): {}", sci(&differences));
+    assert!(differences.iter().all(|&d| d < 1e-8));
+}
+
+#[test]
+fn full_half_and_quarter_agree_in_tension() {
+    compare(false, 1.5);
+}
+
+#[test]
+fn full_half_and_quarter_agree_in_tearing() {
+    compare(true, 3.0);
+}
+
+#[test]
+fn same_bits_on_one_and_two_threads() {
+    let strip = Strip { half_thickness: true, ..peer_strip([8, 20, 2], true, false) };
+    let problem = Arc::new(problem(&strip, Ends::Clamped, 3));
+    let theta = Tissue::peers(1.0, 0.1).theta(3);
+    let targets = plan(ramp(0.0, 2.4, 4).chain([1.2]).chain(ramp(1.2, 3.0, 3)));
+    let all = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let seeds: Vec<usize> = (0..theta.len()).collect();
+            let mut chunks = columns_for(&problem, &theta, &seeds);
+            let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c as _).collect();
+            let mut system = System::new(&problem).unwrap();
+            march(
+                &problem,
+                &theta,
+                &mut system,
+                None,
+                &targets,
+                &mut columns,
+                &NoObserver,
+                shipped(),
+                None,
+                &|| false,
+            )
+        })
+    };
+    let (one, two) = (all(1), all(2));
+    assert!(one.failure.is_none());
+    let bits = |run: &fem::Run| -> Vec<u64> {
+        let last = run.last.as_ref().unwrap();
+        let steps = run.steps.iter().flat_map(|s| {
+            let l = &s.ledger;
+            s.derivatives
+                .force
+                .iter()
+                .copied()
+                .chain([s.force, s.slope, l.external_work, l.stored, l.cohesive_dissipated])
+                .collect::<Vec<_>>()
+        });
+        steps
+            .chain(last.u.iter().copied())
+            .chain(last.history.path.iter().copied())
+            .map(f64::to_bits)
+            .collect()
+    };
+    let (a, b) = (bits(&one), bits(&two));
+    println!(
+        "one and two threads: {} numbers, {} differ",
+        a.len(),
+        a.iter().zip(&b).filter(|(x, y)| x != y).count()
+    );
+    assert_eq!(a, b);
+}

@@ -1,0 +1,178 @@
+//! Curves of model and measurement, and their CSV files.
+
+use crate::ReportError;
+use crate::answer::TestCurve;
+use analysis::Identified;
+use diagnose::RecordKind;
+use diagnose::segments::cut;
+use input::{Record, TestKind};
+use model::Channel;
+use std::path::Path;
+
+/// Measured and computed force of one test, one entry per record row.
+#[derive(Clone, Debug, Default)]
+pub struct Curve {
+    /// Name of the test.
+    pub test: String,
+    /// Time, s.
+    pub time: Vec<f64>,
+    /// Actuator displacement, mm.
+    pub displacement: Vec<f64>,
+    /// Measured force, N; empty for a simulation.
+    pub measured: Vec<f64>,
+    /// Computed force, N.
+    pub model: Vec<f64>,
+    /// Segment of each row; empty for a simulation.
+    pub segment: Vec<String>,
+    /// Noise sd of the force, N.
+    pub noise: f64,
+    /// Further columns: name, numbers (none where not measured).
+    pub columns: Vec<(String, Vec<Option<f64>>)>,
+}
+
+/// The curves of an identification, one per test with a record.
+pub fn identified_curves(done: &Identified) -> Vec<Curve> {
+    let mut out: Vec<Curve> = Vec::new();
+    for (block, slot) in done.measured.data.blocks.iter().zip(&done.measured.slots) {
+        let test = &done.model.tests[slot.test].test;
+        let Some(record) = &test.record else { continue };
+        let model = &done.fit.prediction.values.as_slice()[block.range.clone()];
+        if slot.channel == Channel::Force {
+            out.push(Curve {
+                test: test.name.clone(),
+                time: record.time.clone(),
+                displacement: record.displacement.clone(),
+                measured: record.force.clone(),
+                model: model.to_vec(),
+                segment: segments(record, test.kind),
+                noise: block.noise.sd,
+                columns: Vec::new(),
+            });
+        } else if let Some(curve) = out.iter_mut().find(|c| c.test == test.name) {
+            let spread = |values: &[f64]| {
+                let mut column = vec![None; record.len()];
+                for (&row, &v) in slot.rows.iter().zip(values) {
+                    column[row] = Some(v);
+                }
+                column
+            };
+            let word = slot.channel.word();
+            curve.columns.push((format!("{word}_measured_mm"), spread(&block.measured)));
+            curve.columns.push((format!("{word}_model_mm"), spread(model)));
+        }
+    }
+    out
+}
+
+/// The curve of a simulated test.
+pub fn simulated_curve(name: &str, t: &TestCurve) -> Curve {
+    let column = |name: &str, values: &[f64]| (name.to_owned(), values.iter().map(|v| Some(*v)).collect());
+    let mut columns = vec![
+        column("grip_displacement_mm", &t.grip_displacement_mm),
+        column("width_change_mm", &t.width_change_mm),
+    ];
+    if !t.tear_front_mm.is_empty() {
+        columns.push(column("tear_front_mm", &t.tear_front_mm));
+    }
+    Curve {
+        test: name.to_owned(),
+        time: t.time_s.clone(),
+        displacement: t.displacement_mm.clone(),
+        model: t.force_N.clone(),
+        columns,
+        ..Curve::default()
+    }
+}
+
+/// The user's names of segments, or our own.
+fn segments(record: &Record, kind: TestKind) -> Vec<String> {
+    if let Some(given) = &record.segment {
+        return given.clone();
+    }
+    let kind = match kind {
+        TestKind::Uniaxial => RecordKind::Intact,
+        TestKind::Tearing => RecordKind::Tearing,
+    };
+    let mut out = vec![String::new(); record.len()];
+    for s in cut(&record.time, &record.displacement, &record.force, kind) {
+        for name in &mut out[s.range] {
+            name.clone_from(&s.name);
+        }
+    }
+    out
+}
+
+impl Curve {
+    /// A curve as [`Curve::csv`] wrote it; `None` for anything else.
+    pub(crate) fn read(path: &Path) -> Option<Self> {
+        let mut reader = csv::Reader::from_path(path).ok()?;
+        let header: Vec<String> = reader.headers().ok()?.iter().map(str::to_owned).collect();
+        let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().ok()?;
+        let text = |name: &str| -> Vec<String> {
+            let Some(at) = header.iter().position(|h| h == name) else { return Vec::new() };
+            rows.iter().map(|r| r.get(at).unwrap_or_default().to_owned()).collect()
+        };
+        let numbers = |name: &str| -> Vec<f64> { text(name).iter().filter_map(|t| t.parse().ok()).collect() };
+        Some(Self {
+            test: path.file_stem()?.to_string_lossy().into_owned(),
+            time: numbers("time_s"),
+            displacement: numbers("displacement_mm"),
+            measured: numbers("force_measured_N"),
+            model: numbers("force_model_N"),
+            segment: text("segment"),
+            ..Self::default()
+        })
+    }
+
+    /// Measured minus computed force, N.
+    pub fn residual(&self) -> Vec<f64> {
+        self.measured.iter().zip(&self.model).map(|(m, c)| m - c).collect()
+    }
+
+    /// The CSV file `curves/<test>.csv`.
+    ///
+    /// # Errors
+    /// If a row cannot be written, which only a full memory could cause.
+    pub fn csv(&self) -> Result<Vec<u8>, ReportError> {
+        let measured = !self.measured.is_empty();
+        let mut header = vec!["time_s".to_owned(), "displacement_mm".into()];
+        if measured {
+            header.push("force_measured_N".into());
+        }
+        header.push("force_model_N".into());
+        if measured {
+            header.extend(["residual_N".into(), "segment".into()]);
+        }
+        header.extend(self.columns.iter().map(|c| c.0.clone()));
+        let residual = self.residual();
+        let rows = (0..self.time.len()).map(|i| {
+            let mut row = vec![number(self.time[i]), number(self.displacement[i])];
+            if measured {
+                row.push(number(self.measured[i]));
+            }
+            row.push(number(self.model[i]));
+            if measured {
+                row.extend([number(residual[i]), self.segment.get(i).cloned().unwrap_or_default()]);
+            }
+            row.extend(self.columns.iter().map(|c| c.1.get(i).copied().flatten().map_or(String::new(), number)));
+            row
+        });
+        table(header, rows)
+    }
+}
+
+/// The shortest digits that read back to the same number.
+pub(crate) fn number(x: f64) -> String {
+    format!("{x}")
+}
+
+/// A CSV file.
+pub(crate) fn table(header: Vec<String>, rows: impl Iterator<Item = Vec<String>>) -> Result<Vec<u8>, ReportError> {
+    let fault = |e: &dyn std::fmt::Display| ReportError::NotARun { path: "csv".into(), reason: e.to_string() };
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(&header).map_err(|e| fault(&e))?;
+    for row in rows {
+        writer.write_record(&row).map_err(|e| fault(&e))?;
+    }
+    writer.into_inner().map_err(|e| fault(&e))
+}

@@ -1,0 +1,133 @@
+//! The answer of an identification on a terminal.
+
+use super::plot::range;
+use super::{Style, readable_unit, significant, sparkline, table, wrap};
+use crate::answer::{IdentifyAnswer, ParameterAnswer};
+use crate::curves::Curve;
+use std::fmt::Write;
+
+/// Width of the small plots.
+const PLOT: usize = 72;
+
+/// Verdict, parameters, fit of each test, what is not known, comparison with published values.
+pub fn identify(a: &IdentifyAnswer, curves: &[Curve], style: Style) -> String {
+    let mut out = String::new();
+    // Writing to a String cannot fail.
+    let _ = writeln!(out, "{}", verdict(a, style));
+    if a.provenance.to_lowercase().starts_with("synthetic") {
+        let _ = writeln!(out, "{}", style.notice("The records are synthetic, not measured."));
+    }
+    let _ = writeln!(out, "\n{}", parameter_table(a));
+    let _ = writeln!(out, "\n{}", test_table(a));
+    for curve in curves.iter().filter(|c| !c.measured.is_empty()) {
+        let _ = writeln!(out, "\n{}", small_plot(curve, style));
+    }
+    for line in &a.sloppy {
+        let _ = writeln!(out, "{} {}", style.notice("!"), wrap(line, 96, 2));
+    }
+    if let Some(p) = &a.published {
+        let _ = writeln!(out, "\n{}", wrap(&format!("Published: {}", p.source), 98, 2));
+        let _ = writeln!(
+            out,
+            "{} of {} identifiable parameters have the published value in their 95 % interval.",
+            p.inside, p.compared
+        );
+        for note in &p.notes {
+            let _ = writeln!(out, "  {}", wrap(note, 96, 2));
+        }
+    }
+    let _ = writeln!(
+        out,
+        "\n{}",
+        wrap(&format!("{} iterations, {} model runs, {:.1} s. {}", a.iterations, a.forward_runs, a.seconds, a.stopped_because), 98, 0)
+    );
+    out
+}
+
+/// One line: is the model good enough?
+fn verdict(a: &IdentifyAnswer, style: Style) -> String {
+    let effects = if a.effects.is_empty() { "base model".to_owned() } else { format!("with {}", a.effects.join(", ")) };
+    let head = format!("{} ({effects})", a.specimen);
+    let chi2 = format!("reduced χ² {} ({} with numerical error)", significant(a.reduced_chi2, 3), significant(a.reduced_chi2_total, 3));
+    let word = if a.explained {
+        style.good("the model explains the records")
+    } else {
+        style.bad("the model does not explain the records")
+    };
+    format!("{}: {word}, {chi2}", style.bold(&head))
+}
+
+fn parameter_table(a: &IdentifyAnswer) -> String {
+    let published = a.parameters.iter().any(|p| p.published.is_some());
+    let mut header = vec!["parameter", "value", "unit", "95 % interval"];
+    if published {
+        header.push("published");
+    }
+    header.push("remark");
+    let rows = a.parameters.iter().map(|p| parameter_row(p, published)).collect();
+    let last = header.len() - 1;
+    table(&header, &[0, 2, last], rows)
+}
+
+fn parameter_row(p: &ParameterAnswer, published: bool) -> Vec<String> {
+    let (unit, factor) = readable_unit(&p.path, &p.unit);
+    let show = |x: Option<f64>| x.map_or("…".into(), |x| significant(x * factor, 4));
+    let mut row = vec![
+        p.path.clone(),
+        show(Some(p.value)),
+        unit.to_owned(),
+        format!("{} – {}", show(p.interval_95[0]), show(p.interval_95[1])),
+    ];
+    if published {
+        row.push(p.published.map_or(String::new(), |v| significant(v * factor, 4)));
+    }
+    row.push(remark(p));
+    row
+}
+
+/// Flags of a parameter in words.
+pub(crate) fn remark(p: &ParameterAnswer) -> String {
+    let mut words = Vec::new();
+    if p.at_bound {
+        words.push("at its bound");
+    }
+    if !p.identifiable {
+        words.push("not identifiable");
+    } else if p.published_in_interval == Some(false) {
+        words.push("published outside");
+    }
+    words.join(", ")
+}
+
+fn test_table(a: &IdentifyAnswer) -> String {
+    let header = ["test", "points", "rms misfit", "noise", "of peak", "reduced χ²", "with num. error", "f = Σr²", "energy gap"];
+    let row = |unit: &str, name: &String, t: &crate::answer::TestFit| {
+        vec![
+            name.clone(),
+            t.points.to_string(),
+            format!("{} {unit}", significant(t.rms_N, 3)),
+            format!("{} {unit}", significant(t.noise_N, 3)),
+            format!("{:.2} %", 100.0 * t.rms_N / t.peak_N.max(f64::MIN_POSITIVE)),
+            significant(t.reduced_chi2, 3),
+            significant(t.reduced_chi2_total, 3),
+            significant(t.objective, 3),
+            t.energy.as_ref().map_or(String::new(), |e| format!("{:.3} %", 100.0 * e.closure)),
+        ]
+    };
+    let rows = a.tests.iter().map(|(n, t)| row("N", n, t)).chain(a.channels.iter().map(|(n, t)| row("mm", n, t)));
+    table(&header, &[0], rows.collect())
+}
+
+/// Measured force, model and misfit over time as three lines.
+fn small_plot(c: &Curve, style: Style) -> String {
+    let (low, high) = range(c.measured.iter().chain(&c.model));
+    let residual = c.residual();
+    let most = residual.iter().fold(3.0 * c.noise, |m, r| m.max(r.abs()));
+    let lines = [
+        ("measured", sparkline(&c.measured, PLOT, low, high), format!("peak {} N", significant(high, 3))),
+        ("model", sparkline(&c.model, PLOT, low, high), String::new()),
+        ("misfit", sparkline(&residual, PLOT, -most, most), format!("± {} N", significant(most, 2))),
+    ];
+    let body: Vec<String> = lines.iter().map(|(name, line, note)| format!("  {name:<9}{line}  {note}").trim_end().to_owned()).collect();
+    format!("{}\n{}", style.bold(&c.test), body.join("\n"))
+}
