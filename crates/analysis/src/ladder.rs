@@ -345,6 +345,11 @@ impl FeLadder<'_> {
             .map(|(_, f)| f)
     }
 
+    /// The case on its search mesh.
+    pub fn case(&self) -> &Case {
+        &self.case
+    }
+
     /// Data of the ladder.
     pub fn data(&self) -> &Data {
         &self.measured.data

@@ -1,6 +1,7 @@
 //! The loop on a specimen: identify, compare, diagnose, add, discover.
 #![warn(missing_docs)]
 
+mod answer;
 mod columns;
 pub mod compare;
 mod data;
@@ -15,7 +16,10 @@ pub use data::{Measured, RecordError, Slot};
 pub use identify::{
     AnalysisError, Control, HistoryEntry, Identified, Progress, Stage, frees, identify, run_options,
 };
+pub use answer::{DiscoverAnswer, LadderRow, NextTest, ScreenRow, diagnose, discover};
+pub use compare::{CompareAnswer, compare};
 pub use columns::{Base, Screened, scales};
 pub use ladder::{FeLadder, Fitted};
+pub use start::start_at;
 pub use problem::{Cancelled, FeProblem};
 pub use simulate::{SimulateControl, Simulated, SimulatedTest, replay, simulate};

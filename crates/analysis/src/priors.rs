@@ -22,7 +22,7 @@ const LITERATURE: [(&str, f64, f64); 7] = [
 /// Spread of a bulk parameter whose value the file gives: 50 %.
 const GIVEN_SD: f64 = 0.5;
 
-/// A diagnosis does not look farther than this many standard deviations from the prior: beyond, a
+/// A search does not look farther than this many standard deviations from the prior: beyond, a
 /// tissue without matrix or without fibres would pay for any missing effect.
 const REACH: f64 = 3.0;
 
@@ -50,7 +50,8 @@ fn given_value(case: &Case, path: &str) -> Option<f64> {
 }
 
 /// Adds priors to free parameters: the file's own first; else, where `literature`, around the value
-/// the file gives, or the literature's; and keeps the search within reach of them.
+/// the file gives, or the literature's. With or without priors the search stays within reach of
+/// them ([`REACH`]), narrower bounds of the file first.
 pub fn add(frees: &mut [Free], case: &Case, literature: bool) {
     for f in frees {
         let path = common(&f.path);
@@ -64,7 +65,7 @@ pub fn add(frees: &mut [Free], case: &Case, literature: bool) {
             f.prior = Some(Prior { mean, sd });
             continue;
         }
-        let Some(&(_, median, spread)) = LITERATURE.iter().find(|l| l.0 == path).filter(|_| literature) else { continue };
+        let Some(&(_, median, spread)) = LITERATURE.iter().find(|l| l.0 == path) else { continue };
         let given = given_value(case, &path);
         let at = given.unwrap_or(median);
         // A value on a bound (k2 = 0, κ = 0) has no place in the coordinate: no prior.
@@ -73,7 +74,7 @@ pub fn add(frees: &mut [Free], case: &Case, literature: bool) {
         }
         let sd = if given.is_some() && path.starts_with("bulk.") { GIVEN_SD } else { spread };
         let mean = f.transform.forward(at);
-        f.prior = Some(Prior { mean, sd });
+        f.prior = literature.then_some(Prior { mean, sd });
         f.lower = f.lower.max(f.transform.backward(mean - REACH * sd));
         f.upper = f.upper.min(f.transform.backward(mean + REACH * sd));
         f.start = f.start.clamp(f.lower, f.upper);

@@ -83,12 +83,17 @@ impl Simulated {
 ///
 /// # Errors
 /// [`AnalysisError::Build`] when no model can be made of the case.
-pub fn simulate(case: Arc<Case>, catalogue: &Catalogue, control: &SimulateControl) -> Result<Simulated, AnalysisError> {
+pub fn simulate(
+    case: Arc<Case>,
+    catalogue: &Catalogue,
+    control: &SimulateControl,
+) -> Result<Simulated, AnalysisError> {
     let model = Model::new(case.clone(), catalogue, Discretisation::default())?;
     let mut march = run_options(&case).march;
     march.ledger = true;
     march.keep_states = true;
-    let tests: Vec<(Plan, MarchOptions)> = (0..model.tests.len()).map(|t| planned(&model, t, march)).collect();
+    let tests: Vec<(Plan, MarchOptions)> =
+        (0..model.tests.len()).map(|t| planned(&model, t, march)).collect();
     let theta = model.theta();
     let tests = run_all(&model, &theta, &tests, control)?;
     Ok(Simulated { model, theta, tests })
@@ -99,7 +104,10 @@ pub fn simulate(case: Arc<Case>, catalogue: &Catalogue, control: &SimulateContro
 ///
 /// # Errors
 /// [`AnalysisError::Build`] when a solver cannot be set up.
-pub fn replay(identified: &Identified, control: &SimulateControl) -> Result<Vec<SimulatedTest>, AnalysisError> {
+pub fn replay(
+    identified: &Identified,
+    control: &SimulateControl,
+) -> Result<Vec<SimulatedTest>, AnalysisError> {
     let model = &identified.model;
     let options: RunOptions = identified.options;
     let march = MarchOptions { ledger: true, keep_states: true, ..options.march };
@@ -161,7 +169,9 @@ fn run_chain(
         let blocked = out.iter().find(|o| o.failure.is_some()).map(|o| o.name.clone());
         let run = match blocked {
             Some(name) => Run {
-                failure: Some(FemError::Setup(format!("test {name}, whose history this one inherits, ended early"))),
+                failure: Some(FemError::Setup(format!(
+                    "test {name}, whose history this one inherits, ended early"
+                ))),
                 ..Run::default()
             },
             None => run_test(model, theta, t, plan, *options, before.as_ref(), asked)?,

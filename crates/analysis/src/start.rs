@@ -12,6 +12,9 @@ use std::sync::Arc;
 /// How much coarser than the given mesh the search for the start is.
 const COARSEN: f64 = 3.0;
 
+/// The same once there are several areas.
+const LEVEL_COARSEN: f64 = 2.0;
+
 /// Fits one area on a coarse mesh. Returns the whole one-area model with its values, or `None`
 /// when the file gives each area its own start, or there is nothing to do.
 pub(crate) fn one_area(
@@ -58,8 +61,41 @@ pub(crate) fn one_area(
             break;
         }
     }
+    let start = best.map(|(_, theta)| Start { theta, model });
+    let start = match start {
+        Some(s) => Some(refine(s, &simple, interface.areas, catalogue, work, &tests)?),
+        None => None,
+    };
     work.theta = theta_of_work;
-    Ok(best.map(|(_, theta)| Start { theta, model }))
+    Ok(start)
+}
+
+/// Two areas, four, …: each level starts from the one before, so that the strengths find their
+/// place along the path before they are many.
+fn refine(
+    mut start: Start,
+    case: &Case,
+    areas: usize,
+    catalogue: &Catalogue,
+    work: &mut Work,
+    tests: &[bool],
+) -> Result<Start, AnalysisError> {
+    let how = Discretisation { coarsen: LEVEL_COARSEN, ..Discretisation::default() };
+    let mut m = 2;
+    while m < areas {
+        let level = Case { interface: input::InterfaceConfig { areas: m, ..case.interface.clone() }, ..case.clone() };
+        let Ok(model) = Model::new(Arc::new(level), catalogue, how) else { return Ok(start) };
+        work.theta = model.theta();
+        spread(&model, &start, &mut work.theta);
+        let free: Vec<usize> =
+            model.free().into_iter().filter(|&i| model.site_of(i) == model::Site::Interface).collect();
+        if work.stage(&model, Stage::Interface, &free, tests, true).is_err() {
+            return Ok(start);
+        }
+        start = Start { theta: work.theta.clone(), model };
+        m *= 2;
+    }
+    Ok(start)
 }
 
 /// The start of a joint search on a case: the bulk from the uniaxial tests, one area for the tear.
@@ -76,21 +112,26 @@ pub(crate) fn for_case(
     one_area(case, catalogue, &mut work, &list)
 }
 
-/// A one-area model with its fitted values.
+/// A model with fewer areas, with its fitted values.
 pub(crate) struct Start {
     theta: Vec<f64>,
     model: Model,
 }
 
-/// Copies the start into the parameters of the real model: the same path, or the one area's value
-/// for every area.
+/// Copies the start into the parameters of the real model: the same path, or the value of the
+/// start's area at the same place along the tear.
 pub(crate) fn spread(fine: &Model, start: &Start, theta: &mut [f64]) {
     for (i, p) in fine.parameters.iter().enumerate() {
         if !p.free {
             continue;
         }
         let path = match p.path.strip_prefix("interface.area[").and_then(|r| r.split_once("].")) {
-            Some((_, what)) => format!("interface.area[1].{what}"),
+            Some((area, what)) => {
+                let (here, all) = (area.parse::<usize>().unwrap_or(1), fine.areas());
+                let middle = (here as f64 - 0.5) / all as f64;
+                let from = ((middle * start.model.areas() as f64).floor() as usize + 1).min(start.model.areas());
+                format!("interface.area[{from}].{what}")
+            }
             None => p.path.clone(),
         };
         if let Some(at) = start.model.find(&path) {
@@ -123,3 +164,36 @@ fn from_record(case: &Case) -> (f64, f64) {
     out
 }
 
+
+/// Writes identified values into a case as the start of the next search; bounds and freedom stay.
+pub fn start_at<'a>(case: &mut Case, values: impl Iterator<Item = (&'a str, f64)>) {
+    let areas = case.interface.areas;
+    for (path, value) in values {
+        if let Some((area, what)) = path.strip_prefix("interface.area[").and_then(|r| r.split_once("].")) {
+            let list = if what == "gc" { &mut case.interface.gc } else { &mut case.interface.sigma_c };
+            let common = list.first().copied().unwrap_or_default();
+            if list.len() < areas {
+                *list = vec![common; areas];
+            }
+            if let Some(v) = area.parse::<usize>().ok().and_then(|a| list.get_mut(a.wrapping_sub(1))) {
+                v.value = Some(value);
+            }
+        } else if let Some(name) = path.strip_prefix("bulk.") {
+            let b = &mut case.bulk;
+            let slot = match name {
+                "mu" => &mut b.mu,
+                "k1" => &mut b.k1,
+                "k2" => &mut b.k2,
+                "gamma" => &mut b.gamma,
+                "kappa" => &mut b.kappa,
+                "d" => &mut b.d,
+                _ => continue,
+            };
+            slot.value = Some(value);
+        } else if let Some((effect, name)) = path.strip_prefix("effects.").and_then(|r| r.split_once('.')) {
+            if let Some(e) = case.effects.iter_mut().find(|e| e.name == effect) {
+                e.parameters.entry(name.to_owned()).or_default().value = Some(value);
+            }
+        }
+    }
+}

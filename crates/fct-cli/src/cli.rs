@@ -1,6 +1,8 @@
 //! The command line.
 
-use crate::commands::{add, batch, check, compare, diagnose, discover, drop, effects, identify, ladder, new, report, simulate};
+use crate::commands::{
+    add, batch, check, compare, diagnose, discover, drop, effects, identify, ladder, new, report, simulate,
+};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -20,7 +22,7 @@ pub struct Cli {
 /// Flags of every command.
 #[derive(Clone, Debug, Args)]
 pub struct Common {
-    /// Run directory (add, drop: the file to write); default runs/<name>/
+    /// Run directory (add, drop: the file to write); default runs/NAME/
     #[arg(long, global = true, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// The answer as one JSON document on stdout, everything else on stderr

@@ -37,7 +37,8 @@ impl Outcome {
     /// # Errors
     /// If the answer cannot be written as JSON.
     pub fn new<T: Serialize>(answer: &T, text: String) -> Result<Self, Failure> {
-        let json = serde_json::to_value(answer).map_err(|e| Failure::compute(format!("the answer is no JSON: {e}")))?;
+        let json = serde_json::to_value(answer)
+            .map_err(|e| Failure::compute(format!("the answer is no JSON: {e}")))?;
         Ok(Self { json, text, partial: None })
     }
 
@@ -67,11 +68,6 @@ impl Failure {
     /// Bad input or usage.
     pub fn usage(message: impl Into<String>) -> Self {
         Self::new(2, message.into())
-    }
-
-    /// A part of the program that is still to come.
-    pub fn not_available(command: &str) -> Self {
-        Self::compute(format!("`fct {command}` is not available yet in this version"))
     }
 
     fn new(code: u8, message: String) -> Self {
@@ -112,7 +108,9 @@ impl From<ReportError> for Failure {
 impl From<AnalysisError> for Failure {
     fn from(e: AnalysisError) -> Self {
         match e {
-            AnalysisError::Build(_) | AnalysisError::Record(_) | AnalysisError::Case(_) => Self::usage(format!("fct: {e}")),
+            AnalysisError::Build(_) | AnalysisError::Record(_) | AnalysisError::Case(_) => {
+                Self::usage(format!("fct: {e}"))
+            }
             _ => Self::compute(format!("fct: {e}")),
         }
     }

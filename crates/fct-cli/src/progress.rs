@@ -37,8 +37,24 @@ impl Progress {
             bar
         });
         let now = Instant::now();
-        let state = State { begun: now, said: None, stage: String::new(), stage_begun: now, objective: None, falls: Vec::new() };
+        let state = State {
+            begun: now,
+            said: None,
+            stage: String::new(),
+            stage_begun: now,
+            objective: None,
+            falls: Vec::new(),
+        };
         Self { bar, plain: !terminal && !quiet, title: title.to_owned(), state: Mutex::new(state) }
+    }
+
+    /// A remark on what is being done.
+    pub fn note(&self, text: &str) {
+        if let Some(bar) = &self.bar {
+            bar.set_message(text.to_owned());
+        } else if self.plain && self.due() {
+            eprintln!("{}: {text}", self.title);
+        }
     }
 
     /// Steps of a simulation.
@@ -72,15 +88,16 @@ impl Progress {
             (s.stage, s.stage_begun, s.objective) = (stage.clone(), Instant::now(), None);
             s.falls.clear();
         }
-        if let (Some(f), true) = (p.iterate.f, p.iterate.accepted) {
-            if let Some(before) = s.objective.replace(f) {
-                s.falls.push(((before - f) / before).max(1e-12));
-            }
+        if let (Some(f), true) = (p.iterate.f, p.iterate.accepted)
+            && let Some(before) = s.objective.replace(f)
+        {
+            s.falls.push(((before - f) / before).max(1e-12));
         }
         let f = s.objective.map_or("–".into(), |f| format!("{f:.4e}"));
         let n = p.iterate.iteration;
         let pace = s.stage_begun.elapsed().as_secs_f64() / n.max(1) as f64;
-        let left = iterations_left(&s.falls).map_or(String::new(), |k| format!(", about {:.0} s left", k * pace));
+        let left =
+            iterations_left(&s.falls).map_or(String::new(), |k| format!(", about {:.0} s left", k * pace));
         Some(format!(
             "{stage}: iteration {n}, objective {f}, {pace:.1} s each{left} ({:.0} s so far)",
             s.begun.elapsed().as_secs_f64()
@@ -113,6 +130,6 @@ fn style(template: &str) -> ProgressStyle {
 /// Iterations until the relative fall is below the usual tolerance, were it to shrink as it does.
 fn iterations_left(falls: &[f64]) -> Option<f64> {
     let [.., a, b] = falls else { return None };
-    let ratio = (b / a).clamp(1e-3, 0.8);
-    Some(((1e-6 / b).ln() / ratio.ln()).clamp(1.0, 30.0))
+    let ratio = (b / a).clamp(1e-3, 0.7);
+    Some(((1e-6 / b).ln() / ratio.ln()).clamp(1.0, 12.0))
 }

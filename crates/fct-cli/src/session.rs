@@ -63,6 +63,20 @@ impl Session {
         Ok(Arc::new(case))
     }
 
+    /// The case of a finished identification, with the identified values as its start: what
+    /// `compare`, `diagnose` and `discover` continue from.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the files.
+    pub fn identified_case(&self, run: &Path) -> Result<Arc<Case>, Failure> {
+        let case = self.case(run)?;
+        let Some(answer) = StoredRun::read(run).ok().and_then(|r| r.identify()) else { return Ok(case) };
+        let mut case = (*case).clone();
+        let values = answer.parameters.iter().map(|p| (p.path.as_str(), p.value));
+        analysis::start_at(&mut case, values);
+        Ok(Arc::new(case))
+    }
+
     /// A remark on stderr, unless `--quiet`.
     pub fn say(&self, text: &str) {
         if !self.common.quiet {
@@ -105,15 +119,19 @@ impl Session {
         let run = StoredRun::read(place).ok()?;
         // What was read is compared by content: a file that only moved is the same input.
         let hashes = |files: &[report::InputFile]| files.iter().map(|f| f.sha256.clone()).collect::<Vec<_>>();
-        let same = run.input == input::resolved_toml(case) && hashes(&run.info.inputs) == hashes(&inputs_of(case));
+        let same =
+            run.input == input::resolved_toml(case) && hashes(&run.info.inputs) == hashes(&inputs_of(case));
         (run.info.command == command && run.info.complete && same).then_some(run)
     }
 }
 
 /// A name that every file system takes.
 pub fn file_name(name: &str) -> String {
-    let safe: String =
-        name.chars().map(|c| if c.is_alphanumeric() || "-_.+ ".contains(c) { c } else { '_' }).take(100).collect();
+    let safe: String = name
+        .chars()
+        .map(|c| if c.is_alphanumeric() || "-_.+ ".contains(c) { c } else { '_' })
+        .take(100)
+        .collect();
     let safe = safe.trim_matches(['.', ' ']).to_owned();
     if safe.is_empty() { "run".into() } else { safe }
 }

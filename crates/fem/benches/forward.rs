@@ -79,7 +79,7 @@ fn forward(c: &mut Criterion) {
     let theta = Tissue::peers(1.0, 0.1).theta(9);
     let targets = plan(ramp(0.0, 4.0, 20));
     let mut system = System::new(&problem).expect("system");
-    let seeds: Vec<usize> = (0..theta.len()).filter(|&k| k < 5 || k >= GC).take(20).collect();
+    let seeds: Vec<usize> = (0..theta.len()).filter(|k| !(5..GC).contains(k)).take(20).collect();
     let mut group = c.benchmark_group("tear 8x20x2, quarter model, 20 steps");
     group.bench_function("force alone", |b| {
         b.iter(|| {

@@ -210,7 +210,8 @@ impl Factor {
         let max = |v: &[f64]| v.iter().fold(0.0f64, |m, a| if a.is_nan() { f64::NAN } else { m.max(a.abs()) });
         let a = max(&self.values);
         let (rn, xn, bn) = (max(&r), max(x), max(b));
-        if !xn.is_finite() || !rn.is_finite() {
+        // A solution 1e13 times larger than the load over the stiffness is a null vector.
+        if !xn.is_finite() || !rn.is_finite() || a * xn > 1e13 * bn {
             return f64::INFINITY;
         }
         rn / (a * xn + bn).max(f64::MIN_POSITIVE)

@@ -338,7 +338,6 @@ impl March<'_> {
                 }
                 Err(e @ FemError::Setup(_)) => return Err(e),
                 Err(e) => {
-                    if std::env::var("FCT_DEBUG").is_ok() { eprintln!("cut at {} -> {actuator}: {e}", self.state.actuator); }
                     share *= 0.5;
                     if share < self.options.min_step_fraction || travel == 0.0 {
                         if self.problem.path.is_none() || travel == 0.0 {

@@ -12,6 +12,9 @@ use crate::state::State;
 /// Steps before a path is given up.
 const MOST_STEPS: usize = 4000;
 
+/// Steps before a jump is given up: the snap-back of the peers takes about 150.
+const MOST_JUMP_STEPS: usize = 800;
+
 /// Unit tangent (actuator, mean opening) of the path at a converged state.
 fn tangent(m: &March, border: &Border, state: &State) -> [f64; 2] {
     let mut scratch = m.state.history.train.clone();
@@ -150,14 +153,34 @@ pub(crate) fn jump(m: &mut March, direction: f64, length: f64, dt: f64) -> Resul
     let mut farthest = before.actuator;
     let mut released = 0.0;
     let mut turned = false;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MOST_JUMP_STEPS {
         let (u0, f0) = (m.state.actuator, m.state.force);
+        // Stand exactly at the limit rather than step past it: δ_max would remember the overshoot.
+        let forward = walk.tangent[0] * direction;
+        let ahead = (farthest - u0) * direction;
+        if turned && forward > 0.0 && forward * walk.length >= ahead {
+            let mut fresh = m.state.clone();
+            let stands = m.newton(m.context(0.0), Control::Actuator(farthest), &mut fresh).is_ok()
+                && Border::of(m.system, m.problem.multiplicity).is_ok()
+                && m.system.factor.negative_pivots() == 0;
+            if stands {
+                return land(m, before, farthest, first, kept_recent, released);
+            }
+            walk.length = (0.5 * walk.length).max(walk.smallest);
+        }
         walk.step(m, None)?;
         released += 0.5 * (f0 + m.state.force) * (u0 - m.state.actuator);
         if (m.state.actuator - farthest) * direction >= 0.0 && !turned {
             farthest = m.state.actuator;
         } else if (m.state.actuator - farthest) * direction < 0.0 {
             turned = true;
+        }
+        if m.state.actuator * direction <= 0.0 {
+            return Err(FemError::NoConvergence {
+                displacement: before.actuator,
+                step: walk.length,
+                reason: "the path leads back to the start instead of to a new equilibrium".into(),
+            });
         }
         let back = (m.state.actuator - farthest) * direction >= 0.0;
         if turned && back && m.system.factor.negative_pivots() == 0 {

@@ -1,4 +1,6 @@
 //! The brick alone: tangent, patch test, frame indifference, locking, manufactured solution.
+#![allow(clippy::needless_range_loop)] // index notation
+
 mod common;
 
 use common::*;
@@ -437,15 +439,12 @@ fn shape(xi: [f64; 3]) -> [f64; 8] {
     CORNERS.map(|c| (0..3).map(|a| 0.5 * (1.0 + c[a] * xi[a])).product())
 }
 
+/// L2 error, error of the gradient, residual norms.
+type Solved = (f64, f64, Vec<f64>);
+
 /// Solves with the manufactured body force by a Newton iteration written here on fem's public
 /// assembly; returns L2 error, error of the gradient, and the residual norms of the iterations.
-fn solve_manufactured(
-    n: usize,
-    law: Hgo,
-    params: &[f64; 7],
-    isochoric: bool,
-    disturbance: f64,
-) -> (f64, f64, Vec<f64>) {
+fn solve_manufactured(n: usize, law: Hgo, params: &[f64; 7], isochoric: bool, disturbance: f64) -> Solved {
     let mut problem = cube(n, 0.15, |x| manufactured_at(x, isochoric).0);
     problem.bulk = Arc::new(law);
     let body = &problem.body;
@@ -567,10 +566,10 @@ fn manufactured_solution_converges_at_full_order() {
     ];
     let mut bad = Vec::new();
     for (name, law, params, isochoric, least) in cases {
-        let solved: Vec<_> = [4, 8, 16].map(|n| solve_manufactured(n, law, &params, isochoric, 0.0)).into();
-        let rate =
-            |f: &dyn Fn(&(f64, f64, Vec<f64>)) -> f64, k: usize| (f(&solved[k]) / f(&solved[k + 1])).log2();
-        let (l2, h1) = ([0, 1].map(|k| rate(&|s| s.0, k)), [0, 1].map(|k| rate(&|s| s.1, k)));
+        let solved: Vec<Solved> =
+            [4, 8, 16].map(|n| solve_manufactured(n, law, &params, isochoric, 0.0)).into();
+        let rate = |f: fn(&Solved) -> f64, k: usize| (f(&solved[k]) / f(&solved[k + 1])).log2();
+        let (l2, h1) = ([0, 1].map(|k| rate(|s| s.0, k)), [0, 1].map(|k| rate(|s| s.1, k)));
         println!(
             "manufactured, {name}: L2 {} orders {l2:.2?}; gradient {} orders {h1:.2?}",
             sci(&solved.iter().map(|s| s.0).collect::<Vec<_>>()),

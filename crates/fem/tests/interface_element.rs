@@ -1,4 +1,6 @@
 //! The interface element alone: tangent, symmetry, rotations, balance of forces and moments.
+#![allow(clippy::needless_range_loop)] // index notation
+
 mod common;
 
 use cohesive::Cohesive;

@@ -300,7 +300,7 @@ fn sensitivities_along_a_followed_path() {
     let last = path.steps.windows(2).position(|w| w[1].actuator < w[0].actuator).unwrap();
     let stable: Vec<usize> = (1..last - 2).collect();
     let standing = run(&plan(stable.iter().map(|&i| path.steps[i].actuator)), false);
-    for c in 0..seeds.len() {
+    for (c, seed) in seeds.iter().enumerate() {
         let reduced: Vec<f64> = stable
             .iter()
             .map(|&i| {
@@ -309,12 +309,7 @@ fn sensitivities_along_a_followed_path() {
             })
             .collect();
         let want: Vec<f64> = at_targets(&standing).skip(1).map(|s| s.derivatives.force[c]).collect();
-        println!(
-            "followed path, parameter {}: {:.1e} over {} steps",
-            seeds[c],
-            worst(&reduced, &want),
-            want.len()
-        );
+        println!("followed path, parameter {seed}: {:.1e} over {} steps", worst(&reduced, &want), want.len());
         assert!(worst(&reduced, &want) < 1e-5);
     }
 }

@@ -154,7 +154,9 @@ impl Curve {
             if measured {
                 row.extend([number(residual[i]), self.segment.get(i).cloned().unwrap_or_default()]);
             }
-            row.extend(self.columns.iter().map(|c| c.1.get(i).copied().flatten().map_or(String::new(), number)));
+            row.extend(
+                self.columns.iter().map(|c| c.1.get(i).copied().flatten().map_or(String::new(), number)),
+            );
             row
         });
         table(header, rows)
@@ -167,8 +169,12 @@ pub(crate) fn number(x: f64) -> String {
 }
 
 /// A CSV file.
-pub(crate) fn table(header: Vec<String>, rows: impl Iterator<Item = Vec<String>>) -> Result<Vec<u8>, ReportError> {
-    let fault = |e: &dyn std::fmt::Display| ReportError::NotARun { path: "csv".into(), reason: e.to_string() };
+pub(crate) fn table(
+    header: Vec<String>,
+    rows: impl Iterator<Item = Vec<String>>,
+) -> Result<Vec<u8>, ReportError> {
+    let fault =
+        |e: &dyn std::fmt::Display| ReportError::NotARun { path: "csv".into(), reason: e.to_string() };
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(&header).map_err(|e| fault(&e))?;
     for row in rows {

@@ -26,6 +26,6 @@ pub use published::Published;
 pub use rundir::{RunDir, write_atomic};
 pub use runs::{InputFile, RunInfo, StoredRun, inputs_of};
 pub use search_log::SearchLog;
-pub use store::{Partial, store_identify, store_partial, store_simulate};
+pub use store::{Partial, store_discover, store_identify, store_partial, store_simulate};
 pub use synthetic::{SyntheticFile, synthetic_files};
 pub use tables::{history_csv, jacobian_csv};

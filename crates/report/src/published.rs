@@ -53,14 +53,17 @@ impl Published {
     /// The published value of a parameter, internal unit.
     pub fn value(&self, path: &str, spec: &ParamSpec) -> Option<f64> {
         let section = self.table.get(path.split('.').next()?)?.as_table()?;
-        let given = section.get(&spec.key())?;
         let number = |v: &Value| v.as_float().or_else(|| v.as_integer().map(|i| i as f64));
-        let value = match area(path) {
-            Some(i) => number(given.as_array()?.get(i)?)?,
-            None => number(given)?,
+        let of = |given: &Value| match area(path) {
+            Some(i) => number(given.as_array()?.get(i)?),
+            None => number(given),
         };
-        let factor = spec.quantity.suffixes().first().map_or(1.0, |s| s.factor);
-        Some(value * factor)
+        let suffixes = spec.quantity.suffixes();
+        if suffixes.is_empty() {
+            return of(section.get(&*spec.name)?);
+        }
+        // Any unit that a file may use.
+        suffixes.iter().find_map(|s| Some(of(section.get(&format!("{}_{}", spec.name, s.name))?)? * s.factor))
     }
 }
 

@@ -7,8 +7,17 @@ use std::path::{Path, PathBuf};
 
 /// What fct writes at the top of a run directory. Anything else there belongs to the user.
 const OURS: [&str; 11] = [
-    "run.toml", "summary.json", "state.json", "history.csv", "jacobian.csv", "diagnosis.json", "report.html",
-    "curves", "fields", "figures", "ladder.json",
+    "run.toml",
+    "summary.json",
+    "state.json",
+    "history.csv",
+    "jacobian.csv",
+    "diagnosis.json",
+    "report.html",
+    "curves",
+    "fields",
+    "figures",
+    "ladder.json",
 ];
 
 /// A run directory being written. Nothing is seen at its place before [`RunDir::finish`].
@@ -71,14 +80,19 @@ impl RunDir {
             if old.exists() {
                 fs::remove_dir_all(&old).map_err(ReportError::io(&old, "remove an earlier run"))?;
             }
-            fs::rename(&self.place, &old).map_err(ReportError::io(&self.place, "move the earlier run away"))?;
+            fs::rename(&self.place, &old)
+                .map_err(ReportError::io(&self.place, "move the earlier run away"))?;
         }
         if let Err(source) = fs::rename(&self.part, &self.place) {
             if replaces {
                 // Whatever happens here, the first error is the one to tell.
                 let _ = fs::rename(&old, &self.place);
             }
-            return Err(ReportError::Io { path: self.place.clone(), action: "put the run in its place", source });
+            return Err(ReportError::Io {
+                path: self.place.clone(),
+                action: "put the run in its place",
+                source,
+            });
         }
         if replaces {
             keep_foreign(&old, &self.place)?;
@@ -102,7 +116,9 @@ impl Drop for RunDir {
 /// If the disk refuses; what stood there before is then untouched.
 pub fn write_atomic(path: &Path, content: &[u8]) -> Result<(), ReportError> {
     let temporary = sibling(path, "tmp");
-    let result = File::create(&temporary).and_then(|mut f| f.write_all(content)).and_then(|()| fs::rename(&temporary, path));
+    let result = File::create(&temporary)
+        .and_then(|mut f| f.write_all(content))
+        .and_then(|()| fs::rename(&temporary, path));
     result.map_err(|source| {
         let _ = fs::remove_file(&temporary);
         ReportError::Io { path: path.to_owned(), action: "write", source }
@@ -119,7 +135,11 @@ fn check_place(place: &Path) -> Result<(), ReportError> {
     }
     let mut entries = fs::read_dir(place).map_err(ReportError::io(place, "read the directory"))?;
     let empty = entries.next().is_none();
-    if empty || place.join("run.toml").is_file() { Ok(()) } else { Err(ReportError::Foreign(place.to_owned())) }
+    if empty || place.join("run.toml").is_file() {
+        Ok(())
+    } else {
+        Err(ReportError::Foreign(place.to_owned()))
+    }
 }
 
 /// The lock is the system's: a killed run cannot leave it behind.
@@ -181,7 +201,10 @@ mod tests {
         let folder = tempfile::tempdir()?;
         fs::write(folder.path().join("thesis.tex"), "")?;
         assert!(matches!(RunDir::begin(folder.path()), Err(ReportError::Foreign(_))));
-        assert!(matches!(RunDir::begin(&folder.path().join("thesis.tex")), Err(ReportError::NotADirectory(_))));
+        assert!(matches!(
+            RunDir::begin(&folder.path().join("thesis.tex")),
+            Err(ReportError::NotADirectory(_))
+        ));
         Ok(())
     }
 }

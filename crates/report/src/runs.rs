@@ -1,7 +1,7 @@
 //! Reading run directories back.
 
-use crate::{Curve, ReportError};
 use crate::answer::{IdentifyAnswer, SimulateAnswer};
+use crate::{Curve, ReportError};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -89,8 +89,10 @@ impl StoredRun {
         let mut answer: Value = serde_json::from_str(&text)
             .map_err(|e| ReportError::NotARun { path: summary.clone(), reason: e.to_string() })?;
         let info = answer.as_object_mut().and_then(|o| o.shift_remove("run")).unwrap_or_default();
-        let info: RunInfo = serde_json::from_value(info)
-            .map_err(|e| ReportError::NotARun { path: summary.clone(), reason: format!("field `run`: {e}") })?;
+        let info: RunInfo = serde_json::from_value(info).map_err(|e| ReportError::NotARun {
+            path: summary.clone(),
+            reason: format!("field `run`: {e}"),
+        })?;
         let input = path.join("run.toml");
         let input = fs::read_to_string(&input).map_err(ReportError::io(&input, "read"))?;
         Ok(Self { path: path.to_owned(), info, input, answer })
@@ -106,14 +108,15 @@ impl StoredRun {
         self.typed("simulate")
     }
 
-    /// Its curves, as stored in `curves/`, in the order of their names.
+    /// Its curves, as stored in `curves/`, in the order of the answer.
     pub fn curves(&self) -> Vec<Curve> {
-        let Ok(entries) = fs::read_dir(self.path.join("curves")) else { return Vec::new() };
-        let mut files: Vec<PathBuf> = entries.filter_map(|e| e.ok().map(|e| e.path())).collect();
-        files.retain(|f| f.extension().is_some_and(|e| e == "csv"));
-        files.sort();
-        let noise = |name: &str| self.identify().and_then(|a| a.tests.get(name).map(|t| t.noise_N)).unwrap_or(0.0);
-        files.iter().filter_map(|f| Curve::read(f)).map(|c| Curve { noise: noise(&c.test), ..c }).collect()
+        let tests = self.answer.get("tests").and_then(Value::as_object);
+        let names = tests.into_iter().flat_map(|t| t.keys());
+        let noise = |name: &str| tests?.get(name)?.get("noise_N")?.as_f64();
+        names
+            .filter_map(|name| Curve::read(&self.path.join("curves").join(format!("{name}.csv"))))
+            .map(|c| Curve { noise: noise(&c.test).unwrap_or(0.0), ..c })
+            .collect()
     }
 
     fn typed<T: for<'a> Deserialize<'a>>(&self, command: &str) -> Option<T> {

@@ -20,8 +20,12 @@ impl<'a> SearchLog<'a> {
     /// Adds a run. That the state cannot be stored is no reason to stop a search: the directory is
     /// written again at its end, and that tells.
     pub fn note(&self, p: &Progress) {
-        let entry =
-            HistoryEntry { stage: p.stage, coarse: p.coarse, iterate: p.iterate.clone(), paths: p.paths.to_vec() };
+        let entry = HistoryEntry {
+            stage: p.stage,
+            coarse: p.coarse,
+            iterate: p.iterate.clone(),
+            paths: p.paths.to_vec(),
+        };
         let history = {
             let Ok(mut entries) = self.entries.lock() else { return };
             entries.push(entry);

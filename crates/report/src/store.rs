@@ -17,7 +17,12 @@ use serde_json::{Value, json};
 ///
 /// # Errors
 /// If the disk refuses.
-pub fn store_simulate(dir: &RunDir, done: &Simulated, answer: &SimulateAnswer, info: &RunInfo) -> Result<(), ReportError> {
+pub fn store_simulate(
+    dir: &RunDir,
+    done: &Simulated,
+    answer: &SimulateAnswer,
+    info: &RunInfo,
+) -> Result<(), ReportError> {
     let case = &done.model.case;
     common(dir, case, answer, info)?;
     let curves: Vec<Curve> = answer.tests.iter().map(|(name, t)| simulated_curve(name, t)).collect();
@@ -30,6 +35,22 @@ pub fn store_simulate(dir: &RunDir, done: &Simulated, answer: &SimulateAnswer, i
         }
     }
     page(dir)
+}
+
+/// Fills the directory of a search for missing effects; returns the answer as JSON.
+///
+/// # Errors
+/// If the disk refuses.
+pub fn store_discover(
+    dir: &RunDir,
+    case: &Case,
+    answer: &analysis::DiscoverAnswer,
+    info: &RunInfo,
+) -> Result<Value, ReportError> {
+    common(dir, case, answer, info)?;
+    let json = serde_json::to_value(answer).unwrap_or(Value::Null);
+    dir.write("diagnosis.json", format!("{json:#}\n").as_bytes())?;
+    Ok(json)
 }
 
 /// Fills the directory of a finished identification.
@@ -65,7 +86,10 @@ fn figure_files(dir: &RunDir, figures: &[Figure]) -> Result<(), ReportError> {
 /// `report.html` from what was written so far.
 fn page(dir: &RunDir) -> Result<(), ReportError> {
     let run = StoredRun::read(dir.part())?;
-    dir.write("report.html", html::page(&StoredRun { path: dir.place().to_owned(), ..run.clone() }, &run.curves())?.as_bytes())
+    dir.write(
+        "report.html",
+        html::page(&StoredRun { path: dir.place().to_owned(), ..run.clone() }, &run.curves())?.as_bytes(),
+    )
 }
 
 /// A search that was interrupted or could not go on.
@@ -111,7 +135,12 @@ impl Partial {
 ///
 /// # Errors
 /// If the disk refuses.
-pub fn store_partial(dir: &RunDir, case: &Case, partial: &Partial, info: &RunInfo) -> Result<(), ReportError> {
+pub fn store_partial(
+    dir: &RunDir,
+    case: &Case,
+    partial: &Partial,
+    info: &RunInfo,
+) -> Result<(), ReportError> {
     common(dir, case, partial, info)?;
     dir.write("history.csv", &history_csv(&partial.history)?)
 }
@@ -123,7 +152,8 @@ fn common<T: Serialize>(dir: &RunDir, case: &Case, answer: &T, info: &RunInfo) -
 
 /// The answer with how it was made.
 fn summary<T: Serialize>(answer: &T, info: &RunInfo) -> Result<Vec<u8>, ReportError> {
-    let fault = |e: serde_json::Error| ReportError::NotARun { path: "summary.json".into(), reason: e.to_string() };
+    let fault =
+        |e: serde_json::Error| ReportError::NotARun { path: "summary.json".into(), reason: e.to_string() };
     let mut value = serde_json::to_value(answer).map_err(fault)?;
     if let Some(object) = value.as_object_mut() {
         object.insert("run".into(), serde_json::to_value(info).map_err(fault)?);

@@ -13,7 +13,12 @@ pub type SyntheticFile = (String, Vec<u8>);
 ///
 /// # Errors
 /// If a row cannot be written.
-pub fn synthetic_files(case: &Case, answer: &SimulateAnswer, share: f64, seed: u64) -> Result<Vec<SyntheticFile>, ReportError> {
+pub fn synthetic_files(
+    case: &Case,
+    answer: &SimulateAnswer,
+    share: f64,
+    seed: u64,
+) -> Result<Vec<SyntheticFile>, ReportError> {
     let mut random = Random::new(seed);
     let mut out = Vec::new();
     for test in &case.tests {
@@ -21,13 +26,13 @@ pub fn synthetic_files(case: &Case, answer: &SimulateAnswer, share: f64, seed: u
             out.push((format!("{}.csv", test.name), record(curve, share, &mut random)?));
         }
     }
-    out.push(("specimen.toml".into(), specimen(case, share, seed).into_bytes()));
+    out.push(("specimen.toml".into(), specimen(case, answer, share, seed).into_bytes()));
     Ok(out)
 }
 
 /// A record: time must grow, so of two answers at one time (a jump) the later one stands.
 fn record(curve: &TestCurve, share: f64, random: &mut Random) -> Result<Vec<u8>, ReportError> {
-    let peak = curve.force_N.iter().fold(0.0f64, |m, f| m.max(f.abs()));
+    let peak = peak(curve);
     let n = curve.time_s.len();
     let noisy: Vec<f64> = curve.force_N.iter().map(|f| f + share * peak * random.normal()).collect();
     let rows = (0..n).filter(|&i| i + 1 == n || curve.time_s[i + 1] > curve.time_s[i] + 1e-9);
@@ -37,21 +42,29 @@ fn record(curve: &TestCurve, share: f64, random: &mut Random) -> Result<Vec<u8>,
     )
 }
 
+fn peak(curve: &TestCurve) -> f64 {
+    curve.force_N.iter().fold(0.0f64, |m, f| m.max(f.abs()))
+}
+
 /// Nine decimals: no instrument has more, and sums of steps keep their round numbers.
 fn neat(x: f64) -> String {
     format!("{}", (x * 1e9).round() / 1e9)
 }
 
 /// The resolved specimen with records in place of protocols, and nothing of the model.
-fn specimen(case: &Case, share: f64, seed: u64) -> String {
+fn specimen(case: &Case, answer: &SimulateAnswer, share: f64, seed: u64) -> String {
     let version = env!("CARGO_PKG_VERSION");
     let noise = 100.0 * share;
     let mut bare = case.clone();
-    bare.provenance =
-        format!("synthetic: computed by fct {version} from its own model, Gaussian noise of {noise} % of the peak force, seed {seed}");
+    bare.provenance = format!(
+        "synthetic: computed by fct {version} from its own model, Gaussian noise of {noise} % of the peak force, seed {seed}"
+    );
     for test in &mut bare.tests {
         test.record = None;
         test.protocol = None;
+        // The noise is known here; a coarse record may be too short to estimate it from.
+        let sd = answer.tests.get(&test.name).map(|curve| share * peak(curve));
+        test.force_sd = sd.filter(|sd| *sd > 0.0);
     }
     let whole = resolved_toml(&bare);
     let mut out = String::new();
@@ -60,10 +73,10 @@ fn specimen(case: &Case, share: f64, seed: u64) -> String {
     for line in whole.lines().take_while(|l| *l != "[mesh]") {
         out.push_str(line);
         out.push('\n');
-        if line.starts_with("kind = ") {
-            if let Some(t) = test.next() {
-                out.push_str(&format!("data = {:?}\n", format!("{}.csv", t.name)));
-            }
+        if line.starts_with("kind = ")
+            && let Some(t) = test.next()
+        {
+            out.push_str(&format!("data = {:?}\n", format!("{}.csv", t.name)));
         }
     }
     out

@@ -31,8 +31,11 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let from = source(&arguments.file)?;
     let specs = effect.parameters(&Options::new());
     let keys: Vec<String> = specs.iter().map(|s| s.key()).collect();
-    let parameters: Vec<(&str, f64, &str)> =
-        specs.iter().zip(&keys).map(|(s, k)| (k.as_str(), s.in_file_unit(s.start), &*s.description)).collect();
+    let parameters: Vec<(&str, f64, &str)> = specs
+        .iter()
+        .zip(&keys)
+        .map(|(s, k)| (k.as_str(), s.in_file_unit(s.start), &*s.description))
+        .collect();
     let reason = format!("{}: {}", card.name, card.summary);
     let text = add_effect(&from.text, card.name, &parameters, &reason)
         .map_err(|e| Failure::usage(format!("fct: {}: {e}", from.file.display())))?;
@@ -41,4 +44,3 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let json = json!({ "schema": SCHEMA, "file": file, "effect": card.name, "parameters": keys });
     Outcome::new(&json, format!("{shown}\nnext: fct identify {shown}\n"))
 }
-

@@ -18,7 +18,7 @@ pub struct Arguments {
 }
 
 /// A specimen that gave no answer.
-type Failed = (PathBuf, Failure);
+type Failed = (PathBuf, Box<Failure>);
 
 /// Identifies every file; `--out` is the directory of the run directories.
 ///
@@ -31,9 +31,11 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let results: Vec<Result<IdentifyAnswer, Failed>> = places
         .into_par_iter()
         .map(|(file, read)| {
-            let (case, place) = read.map_err(|e| (file.clone(), e))?;
+            let (case, place) = read.map_err(|e| (file.clone(), Box::new(e)))?;
             let progress = session.progress(&case.name);
-            identify(&case, &place, session, &progress).map(|(answer, _)| answer).map_err(|e| (file, e))
+            identify(&case, &place, session, &progress)
+                .map(|(answer, _)| answer)
+                .map_err(|e| (file, Box::new(e)))
         })
         .collect();
     let (mut answers, mut failed) = (Vec::new(), Vec::new());
@@ -73,7 +75,8 @@ fn tell(answers: &[IdentifyAnswer], failed: Vec<Failed>, session: &Session) -> R
     for (file, failure) in &failed {
         text.push_str(&format!("failed: {}: {}\n", file.display(), failure.message));
     }
-    let reasons: Vec<_> = failed.iter().map(|(file, f)| json!({ "file": file, "reason": f.message })).collect();
+    let reasons: Vec<_> =
+        failed.iter().map(|(file, f)| json!({ "file": file, "reason": f.message })).collect();
     let json = json!({ "schema": SCHEMA, "specimens": answers, "failed": reasons, "table": rows });
     if answers.is_empty() && failed.iter().all(|f| f.1.code == 2) {
         let message = failed.iter().map(|f| f.1.message.clone()).collect::<Vec<_>>().join("\n");

@@ -23,7 +23,8 @@ pub struct Arguments {
 /// Everything that is wrong with the file.
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
     let case = session.case(&arguments.file)?;
-    let model = Model::new(case.clone(), &session.catalogue, Discretisation::default()).map_err(AnalysisError::Build)?;
+    let model = Model::new(case.clone(), &session.catalogue, Discretisation::default())
+        .map_err(AnalysisError::Build)?;
     let resolved = resolved_toml(&case);
     let tests: Vec<_> = model
         .tests

@@ -2,21 +2,31 @@
 
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
+use ::report::{terminal, write_atomic};
 use std::path::PathBuf;
 
 /// Arguments of `fct diagnose`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// A run directory of `fct identify`
+    /// A run directory of `fct identify`, a specimen or a config
     #[arg(value_name = "RUN")]
     pub run: PathBuf,
 }
 
-/// Will ask crate `analysis` and show its answer.
+/// Screens the catalogue at the identified model; `diagnosis.json` goes into the run directory.
 ///
 /// # Errors
-/// Always, until crate `analysis` has the function.
+/// Bad input, a model that cannot be computed, a directory that cannot be written.
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
-    let _case = session.case(&arguments.run)?;
-    Err(Failure::not_available("diagnose"))
+    let case = session.identified_case(&arguments.run)?;
+    let progress = session.progress(&case.name);
+    let answer =
+        analysis::diagnose(case, &session.catalogue, &|s| progress.note(s), &|| session.cancelled())?;
+    drop(progress);
+    let outcome = Outcome::new(&answer, String::new())?;
+    if arguments.run.is_dir() {
+        write_atomic(&arguments.run.join("diagnosis.json"), format!("{:#}\n", outcome.json).as_bytes())?;
+    }
+    let text = terminal::discover(&outcome.json, session.style());
+    Ok(Outcome { text, ..outcome })
 }

@@ -2,6 +2,7 @@
 
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
+use ::report::{RunDir, store_discover, terminal};
 use std::path::PathBuf;
 
 /// Arguments of `fct discover`.
@@ -12,11 +13,26 @@ pub struct Arguments {
     pub file: PathBuf,
 }
 
-/// Will ask crate `analysis` and show its answer.
+/// Searches for the missing effects and writes the run directory.
 ///
 /// # Errors
-/// Always, until crate `analysis` has the function.
+/// Bad input, a model that cannot be computed, a directory that cannot be written.
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
-    let _case = session.case(&arguments.file)?;
-    Err(Failure::not_available("discover"))
+    let case = session.case(&arguments.file)?;
+    let place = session.place(&case);
+    if let Some(run) = session.finished("discover", &case, &place) {
+        let text = terminal::discover(&run.answer, session.style());
+        return Ok(Outcome { json: run.answer, text, partial: None });
+    }
+    let dir = RunDir::begin(&place)?;
+    let progress = session.progress(&case.name);
+    let answer =
+        analysis::discover(case.clone(), &session.catalogue, &|s| progress.note(s), &|| session.cancelled())?;
+    drop(progress);
+    let info = session.info("discover", &case, !session.cancelled());
+    let json = store_discover(&dir, &case, &answer, &info)?;
+    let place = dir.finish()?;
+    let mut text = terminal::discover(&json, session.style());
+    text.push_str(&format!("Run directory: {}\n", place.display()));
+    Ok(Outcome { json, text, partial: session.cancelled().then(|| "stopped by the user".to_owned()) })
 }

@@ -35,7 +35,10 @@ pub fn source(path: &Path) -> Result<Source, Failure> {
 pub fn write(source: &Source, text: &str, ending: &str, session: &Session) -> Result<PathBuf, Failure> {
     let out = session.common.out.clone().unwrap_or_else(|| beside(source, ending));
     if out.is_dir() {
-        return Err(Failure::usage(format!("fct: {}: this is a directory; --out names a file here", out.display())));
+        return Err(Failure::usage(format!(
+            "fct: {}: this is a directory; --out names a file here",
+            out.display()
+        )));
     }
     let fault = |e: EditError| Failure::usage(format!("fct: {}: {e}", source.file.display()));
     let mut text = edit::rebase(text, folder(&source.file), folder(&out)).map_err(fault)?;
@@ -71,7 +74,8 @@ fn beside(source: &Source, ending: &str) -> PathBuf {
             run.with_file_name(format!("{name}{ending}.toml"))
         }
         None => {
-            let stem = source.file.file_stem().map_or_else(|| "config".into(), |n| n.to_string_lossy().into_owned());
+            let stem =
+                source.file.file_stem().map_or_else(|| "config".into(), |n| n.to_string_lossy().into_owned());
             source.file.with_file_name(format!("{stem}{ending}.toml"))
         }
     }

@@ -91,8 +91,13 @@ fn card_text(e: &dyn Effect, style: Style) -> String {
     }
     out.push_str(&format!("\n{}\n", style.bold("parameters")));
     for p in e.parameters(&Options::new()) {
-        let neutral = p.neutral.map_or(String::new(), |n| format!(", neutral {}", significant(p.in_file_unit(n), 3)));
-        let bounds = format!("{} … {}", significant(p.in_file_unit(p.lower), 3), significant(p.in_file_unit(p.upper), 3));
+        let neutral =
+            p.neutral.map_or(String::new(), |n| format!(", neutral {}", significant(p.in_file_unit(n), 3)));
+        let bounds = format!(
+            "{} … {}",
+            significant(p.in_file_unit(p.lower), 3),
+            significant(p.in_file_unit(p.upper), 3)
+        );
         let about = format!("{} {}: {} ({bounds}{neutral})", p.symbol, p.key(), p.description);
         out.push_str(&format!("  {}\n", wrap(&about, 96, 4)));
     }

@@ -39,7 +39,12 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
 ///
 /// # Errors
 /// As [`run`].
-pub fn identify(case: &Arc<Case>, place: &Path, session: &Session, progress: &Progress) -> Result<(IdentifyAnswer, PathBuf), Failure> {
+pub fn identify(
+    case: &Arc<Case>,
+    place: &Path,
+    session: &Session,
+    progress: &Progress,
+) -> Result<(IdentifyAnswer, PathBuf), Failure> {
     if let Some(answer) = session.finished("identify", case, place).and_then(|r| r.identify()) {
         return Ok((answer, place.to_owned()));
     }
@@ -67,14 +72,21 @@ pub fn identify(case: &Arc<Case>, place: &Path, session: &Session, progress: &Pr
 }
 
 /// Keeps what was found before a search ended early.
-fn interrupted(dir: RunDir, case: &Case, session: &Session, history: Vec<StageHistory>, e: AnalysisError) -> Failure {
+fn interrupted(
+    dir: RunDir,
+    case: &Case,
+    session: &Session,
+    history: Vec<StageHistory>,
+    e: AnalysisError,
+) -> Failure {
     let mut failure = Failure::from(e);
     if history.is_empty() {
         return failure;
     }
     let why = if session.cancelled() { "stopped by the user".to_owned() } else { failure.message.clone() };
     let partial = Partial::new(case, history, &why);
-    let stored = store_partial(&dir, case, &partial, &session.info("identify", case, false)).and_then(|()| dir.finish());
+    let stored = store_partial(&dir, case, &partial, &session.info("identify", case, false))
+        .and_then(|()| dir.finish());
     failure.code = 1;
     match stored {
         Ok(place) => {

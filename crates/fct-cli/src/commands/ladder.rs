@@ -30,7 +30,10 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     }
     if let Some((run, a)) = runs.iter().find(|(_, a)| a.specimen != runs[0].1.specimen) {
         let path = run.path.display();
-        return Err(Failure::usage(format!("fct: {path}: specimen {}, but the first run is of {}", a.specimen, runs[0].1.specimen)));
+        return Err(Failure::usage(format!(
+            "fct: {path}: specimen {}, but the first run is of {}",
+            a.specimen, runs[0].1.specimen
+        )));
     }
     let rows = terminal::ladder_rows(&runs);
     let specimen = runs.first().map(|r| r.1.specimen.clone());

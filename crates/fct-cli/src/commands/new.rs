@@ -27,13 +27,19 @@ const TEARING: &str = include_str!("../../scaffold/tearing.csv");
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
     let name = &arguments.name;
     if name.is_empty() || crate::session::file_name(name) != *name {
-        return Err(Failure::usage(format!("fct: `{name}` is no name for a folder; use letters, digits, - and _")));
+        return Err(Failure::usage(format!(
+            "fct: `{name}` is no name for a folder; use letters, digits, - and _"
+        )));
     }
     let folder = session.common.out.clone().unwrap_or_else(|| PathBuf::from(name));
     if folder.exists() {
-        return Err(Failure::usage(format!("fct: {}: this exists already; nothing was changed", folder.display())));
+        return Err(Failure::usage(format!(
+            "fct: {}: this exists already; nothing was changed",
+            folder.display()
+        )));
     }
-    let made = |e| ::report::ReportError::Io { path: folder.clone(), action: "create the directory", source: e };
+    let made =
+        |e| ::report::ReportError::Io { path: folder.clone(), action: "create the directory", source: e };
     std::fs::create_dir_all(&folder).map_err(made)?;
     let config = format!("{name}.toml");
     let files = [

@@ -25,7 +25,9 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
         let run = StoredRun::read(path)?;
         let file = match (&session.common.out, arguments.runs.len()) {
             (Some(out), 1) => out.clone(),
-            (Some(_), _) => return Err(Failure::usage("fct: --out names one file, but several runs are given")),
+            (Some(_), _) => {
+                return Err(Failure::usage("fct: --out names one file, but several runs are given"));
+            }
             (None, _) => path.join("report.html"),
         };
         write_atomic(&file, html::page(&run, &run.curves())?.as_bytes())?;

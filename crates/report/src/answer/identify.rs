@@ -3,9 +3,9 @@
 use super::{EnergyAnswer, SCHEMA, finite};
 use crate::published::Published;
 use analysis::{HistoryEntry, Identified, SimulatedTest};
+use indexmap::IndexMap;
 use inverse::Quality;
 use model::Channel;
-use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
 /// A finished identification.
@@ -161,7 +161,12 @@ pub struct PublishedSummary {
 
 impl IdentifyAnswer {
     /// The answer of a finished identification; `replayed`: the fitted model's runs with energies.
-    pub fn new(done: &Identified, replayed: &[SimulatedTest], published: Option<&Published>, seconds: f64) -> Self {
+    pub fn new(
+        done: &Identified,
+        replayed: &[SimulatedTest],
+        published: Option<&Published>,
+        seconds: f64,
+    ) -> Self {
         let case = &done.model.case;
         let parameters = parameters(done, published);
         let (tests, channels) = fits(done, replayed);
@@ -171,7 +176,11 @@ impl IdentifyAnswer {
         let stages: Vec<StageEnd> = done
             .stopped
             .iter()
-            .map(|(s, reason, converged)| StageEnd { stage: s.word().into(), reason: reason.clone(), converged: *converged })
+            .map(|(s, reason, converged)| StageEnd {
+                stage: s.word().into(),
+                reason: reason.clone(),
+                converged: *converged,
+            })
             .collect();
         Self {
             schema: SCHEMA,
@@ -267,7 +276,11 @@ fn fits(done: &Identified, replayed: &[SimulatedTest]) -> (Fits, Fits) {
             peak_N: block.measured.iter().fold(0.0, |m, v| m.max(v.abs())),
             energy,
         };
-        if force { tests.insert(name.clone(), fit) } else { channels.insert(block.name.clone(), fit) };
+        if force {
+            tests.insert(name.clone(), fit)
+        } else {
+            channels.insert(block.name.clone(), fit)
+        };
     }
     (tests, channels)
 }
@@ -291,10 +304,17 @@ pub(crate) fn histories(entries: &[HistoryEntry]) -> Vec<StageHistory> {
         let stage = e.stage.word();
         match out.last_mut() {
             // A stage begins with its iteration 0.
-            Some(h) if h.stage == stage && h.coarse == e.coarse && h.paths == e.paths && trial.iteration > 0 => {
+            Some(h)
+                if h.stage == stage && h.coarse == e.coarse && h.paths == e.paths && trial.iteration > 0 =>
+            {
                 h.runs.push(trial);
             }
-            _ => out.push(StageHistory { stage: stage.into(), coarse: e.coarse, paths: e.paths.clone(), runs: vec![trial] }),
+            _ => out.push(StageHistory {
+                stage: stage.into(),
+                coarse: e.coarse,
+                paths: e.paths.clone(),
+                runs: vec![trial],
+            }),
         }
     }
     out

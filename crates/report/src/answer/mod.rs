@@ -5,7 +5,9 @@ mod identify;
 mod simulate;
 
 pub(crate) use identify::histories;
-pub use identify::{IdentifyAnswer, ParameterAnswer, PublishedSummary, StageEnd, StageHistory, TestFit, Trial};
+pub use identify::{
+    IdentifyAnswer, ParameterAnswer, PublishedSummary, StageEnd, StageHistory, TestFit, Trial,
+};
 pub use simulate::{EnergyAnswer, JumpAnswer, SimulateAnswer, SolverAnswer, TestCurve};
 
 /// Version of the answers' layout.

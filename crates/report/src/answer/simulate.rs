@@ -115,7 +115,8 @@ impl SimulateAnswer {
 
 impl TestCurve {
     fn new(t: &SimulatedTest) -> Self {
-        let start = t.run.steps.first().map_or(0.0, |s| s.time) - t.plan.times.first().copied().unwrap_or(0.0);
+        let start =
+            t.run.steps.first().map_or(0.0, |s| s.time) - t.plan.times.first().copied().unwrap_or(0.0);
         let jump = |j: &fem::Jump| JumpAnswer {
             displacement_mm: j.displacement,
             time_s: j.time - start,

@@ -57,7 +57,8 @@ impl<'a> Strip<'a> {
             for (q, f) in gradients.iter().enumerate() {
                 let at = (e * hex8::POINTS + q) * entries;
                 let (old, new) = (&self.history[at..at + entries], &mut fresh[at..at + entries]);
-                let force = Law::<f64, 9>::respond(&*self.problem.bulk, &ctx, f, &self.params, old, new).force;
+                let force =
+                    Law::<f64, 9>::respond(&*self.problem.bulk, &ctx, f, &self.params, old, new).force;
                 if wanted {
                     mean.add(geometry.volumes[q], f, &force);
                 }
@@ -141,6 +142,7 @@ pub fn grid(problem: &Problem, mesh: &Mesh, u: &[f64], cells: &[CellState]) -> G
         }
     }
     grid.point_data = vec![("displacement", 3, displacement), ("S22", 1, nodal)];
-    grid.cell_data = vec![("CauchyStress", 6, stress), ("S22", 1, axial), ("stretch", 1, stretch), ("J", 1, jacobian)];
+    grid.cell_data =
+        vec![("CauchyStress", 6, stress), ("S22", 1, axial), ("stretch", 1, stretch), ("J", 1, jacobian)];
     grid
 }

@@ -24,7 +24,12 @@ pub struct Snapshot {
 }
 
 /// Fields of every test at `count` typical points each.
-pub fn snapshots(model: &Model, theta: &[f64], tests: &[SimulatedTest], count: usize) -> Vec<(String, Vec<Snapshot>)> {
+pub fn snapshots(
+    model: &Model,
+    theta: &[f64],
+    tests: &[SimulatedTest],
+    count: usize,
+) -> Vec<(String, Vec<Snapshot>)> {
     let mut out: Vec<(String, Vec<Snapshot>)> = Vec::new();
     for chain in model.chains() {
         let mut before: Option<&State> = None;
@@ -37,7 +42,14 @@ pub fn snapshots(model: &Model, theta: &[f64], tests: &[SimulatedTest], count: u
     out
 }
 
-fn of_test(model: &Model, theta: &[f64], t: usize, test: &SimulatedTest, before: Option<&State>, count: usize) -> Vec<Snapshot> {
+fn of_test(
+    model: &Model,
+    theta: &[f64],
+    t: usize,
+    test: &SimulatedTest,
+    before: Option<&State>,
+    count: usize,
+) -> Vec<Snapshot> {
     let steps = test.run.states.len().min(test.run.steps.len());
     let points = typical_points(&test.displacement[..steps], &test.force[..steps], count);
     let problem = model.tests[t].problem(theta);

@@ -22,7 +22,8 @@ pub fn grid(problem: &Problem, theta: &[f64], u: &[f64], history: &[f64]) -> Opt
         };
         let at_points = interface::openings(&nodes, &lower, &upper, path.rule);
         let area: f64 = at_points.iter().map(|p| p.1).sum();
-        let mean = |value: &dyn Fn(usize) -> f64| (0..4).map(|q| at_points[q].1 * value(q)).sum::<f64>() / area;
+        let mean =
+            |value: &dyn Fn(usize) -> f64| (0..4).map(|q| at_points[q].1 * value(q)).sum::<f64>() / area;
         // The base law's memory comes first whatever decorates it: δ_max.
         let d = |q: usize| {
             let largest = history.get((e * interface::POINTS + q) * entries + cohesive::DELTA_MAX).copied();

@@ -32,7 +32,10 @@ pub fn typical_points(displacement: &[f64], force: &[f64], count: usize) -> Vec<
         chosen.push(far);
     }
     chosen.sort_unstable();
-    chosen.into_iter().map(|step| TypicalPoint { step, displacement: displacement[step], force: force[step] }).collect()
+    chosen
+        .into_iter()
+        .map(|step| TypicalPoint { step, displacement: displacement[step], force: force[step] })
+        .collect()
 }
 
 /// Peak, end, half of the peak before and after it, start: the order in which they matter.

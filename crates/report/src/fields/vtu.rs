@@ -50,7 +50,12 @@ impl Grid {
              header_type=\"UInt64\">\n<UnstructuredGrid>\n",
         );
         // Writing to a String cannot fail.
-        let _ = writeln!(out, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", self.points.len(), self.cells.len());
+        let _ = writeln!(
+            out,
+            "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">",
+            self.points.len(),
+            self.cells.len()
+        );
         out.push_str("<Points>\n");
         let flat: Vec<f64> = self.points.iter().flatten().copied().collect();
         floats(&mut out, "position", 3, &flat);
@@ -99,7 +104,9 @@ fn array(out: &mut String, kind: &str, name: &str, components: usize, bytes: imp
 
 /// A `.pvd` file: (time, part, file).
 pub fn collection(entries: &[(usize, usize, String)]) -> String {
-    let mut out = String::from("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n");
+    let mut out = String::from(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n",
+    );
     for (time, part, file) in entries {
         let file = file.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
         let _ = writeln!(out, "<DataSet timestep=\"{time}\" part=\"{part}\" file=\"{file}\"/>");

@@ -7,7 +7,7 @@ use crate::answer::{IdentifyAnswer, StageHistory};
 use crate::published::area as area_of;
 use plotters::prelude::*;
 
-const SIZE: (u32, u32) = (760, 520);
+const SIZE: (u32, u32) = (620, 470);
 
 /// Accepted steps one after the other: position, stage, objective, values.
 struct Step<'a> {
@@ -27,7 +27,7 @@ pub fn figure(a: &IdentifyAnswer) -> Result<Option<Figure>, ReportError> {
     let caption = "Convergence: parameters over their final values, and the objective over its start in each stage \
                    (accepted steps, coarse meshes first)";
     let figure = draw("convergence", caption.to_owned(), SIZE, |area| {
-        let (top, bottom) = area.split_vertically(310);
+        let (top, bottom) = area.split_vertically(280);
         parameters(&top, a, &steps)?;
         objective(&bottom, &steps)
     })?;
@@ -50,7 +50,11 @@ fn shown(a: &IdentifyAnswer) -> Vec<(String, f64)> {
     let areas = a.parameters.iter().filter_map(|p| area_of(&p.path)).max().map_or(0, |m| m + 1);
     let wanted = [0, areas / 2, areas.saturating_sub(1)];
     let keep = |path: &str| area_of(path).is_none_or(|i| wanted.contains(&i));
-    a.parameters.iter().filter(|p| keep(&p.path) && p.value != 0.0).map(|p| (p.path.clone(), p.value)).collect()
+    a.parameters
+        .iter()
+        .filter(|p| keep(&p.path) && p.value != 0.0)
+        .map(|p| (p.path.clone(), p.value))
+        .collect()
 }
 
 fn parameters(area: &Area, a: &IdentifyAnswer, steps: &[Step]) -> Drawn {
@@ -58,7 +62,8 @@ fn parameters(area: &Area, a: &IdentifyAnswer, steps: &[Step]) -> Drawn {
         .into_iter()
         .map(|(path, end)| {
             let value = |s: &Step| s.history.paths.iter().position(|p| *p == path).map(|i| s.theta[i] / end);
-            let points = steps.iter().filter_map(|s| value(s).filter(|v| *v > 0.0).map(|v| (s.at, v))).collect();
+            let points =
+                steps.iter().filter_map(|s| value(s).filter(|v| *v > 0.0).map(|v| (s.at, v))).collect();
             (path, points)
         })
         .collect();
@@ -71,7 +76,7 @@ fn parameters(area: &Area, a: &IdentifyAnswer, steps: &[Step]) -> Drawn {
         .x_label_area_size(18)
         .y_label_area_size(64)
         .build_cartesian_2d(0.0..end, (low.max(1e-3)..high.min(1e3)).log_scale())?;
-    let label = (FONT, 13).into_font().color(&INK);
+    let label = (FONT, 15).into_font().color(&INK);
     chart
         .configure_mesh()
         .light_line_style(TRANSPARENT)
@@ -88,7 +93,7 @@ fn parameters(area: &Area, a: &IdentifyAnswer, steps: &[Step]) -> Drawn {
         let width = if i < SERIES.len() { 2 } else { 1 };
         chart.draw_series(LineSeries::new(points.iter().copied(), colour.stroke_width(width)))?;
         // The legend stands outside the curves.
-        let (x, y) = (SIZE.0 as i32 - 180, 20 + 17 * i as i32);
+        let (x, y) = (SIZE.0 as i32 - 178, 20 + 17 * i as i32);
         area.draw(&PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(width)))?;
         area.draw(&Text::new(path.clone(), (x + 24, y - 7), text.clone()))?;
     }
@@ -96,7 +101,8 @@ fn parameters(area: &Area, a: &IdentifyAnswer, steps: &[Step]) -> Drawn {
 }
 
 fn objective(area: &Area, steps: &[Step]) -> Drawn {
-    let first = |stage: usize| steps.iter().find(|s| s.stage == stage).map_or(1.0, |s| s.f.max(f64::MIN_POSITIVE));
+    let first =
+        |stage: usize| steps.iter().find(|s| s.stage == stage).map_or(1.0, |s| s.f.max(f64::MIN_POSITIVE));
     let value = |s: &Step| (s.f / first(s.stage)).max(1e-12);
     let low = steps.iter().map(value).fold(0.5f64, f64::min);
     let end = steps.len() as f64 - 1.0;
@@ -111,7 +117,7 @@ fn objective(area: &Area, steps: &[Step]) -> Drawn {
         .light_line_style(TRANSPARENT)
         .bold_line_style(FAINT)
         .axis_style(INK)
-        .label_style((FONT, 13).into_font().color(&INK))
+        .label_style((FONT, 15).into_font().color(&INK))
         .x_label_formatter(&tick)
         .y_label_formatter(&|v: &f64| if *v >= 0.01 { tick(v) } else { format!("{v:.0e}") })
         .y_labels(4)

@@ -5,7 +5,7 @@ use super::{Figure, draw};
 use crate::{Curve, ReportError};
 use plotters::prelude::*;
 
-const SIZE: (u32, u32) = (760, 520);
+const SIZE: (u32, u32) = (620, 470);
 
 /// The figure of one test.
 pub fn figure(c: &Curve) -> Result<Figure, ReportError> {
@@ -17,7 +17,7 @@ pub fn figure(c: &Curve) -> Result<Figure, ReportError> {
     };
     draw(&c.test, caption, SIZE, |area| {
         if measured {
-            let (top, bottom) = area.split_vertically(370);
+            let (top, bottom) = area.split_vertically(330);
             force(&top, c)?;
             misfit(&bottom, c)
         } else {
@@ -37,7 +37,7 @@ fn force(area: &Area, c: &Curve) -> Drawn {
         .x_label_area_size(if c.measured.is_empty() { 40 } else { 18 })
         .y_label_area_size(64)
         .build_cartesian_2d(span(&c.displacement), span(c.measured.iter().chain(&c.model)))?;
-    let label = (FONT, 14).into_font().color(&INK);
+    let label = (FONT, 15).into_font().color(&INK);
     let mut mesh = chart.configure_mesh();
     mesh.light_line_style(TRANSPARENT)
         .bold_line_style(FAINT)
@@ -86,7 +86,7 @@ fn misfit(area: &Area, c: &Curve) -> Drawn {
         .configure_mesh()
         .disable_mesh()
         .axis_style(INK)
-        .label_style((FONT, 14).into_font().color(&INK))
+        .label_style((FONT, 15).into_font().color(&INK))
         .x_label_formatter(&tick)
         .y_label_formatter(&tick)
         .y_labels(3)

@@ -49,7 +49,8 @@ fn draw<E: std::fmt::Display>(
     paint: impl FnOnce(&style::Area) -> Result<(), E>,
 ) -> Result<Figure, ReportError> {
     use plotters::prelude::{IntoDrawingArea, SVGBackend};
-    let fault = |e: &dyn std::fmt::Display| ReportError::Figure { name: name.to_owned(), reason: e.to_string() };
+    let fault =
+        |e: &dyn std::fmt::Display| ReportError::Figure { name: name.to_owned(), reason: e.to_string() };
     let mut svg = String::new();
     {
         let area = SVGBackend::with_string(&mut svg, size).into_drawing_area();

@@ -7,7 +7,7 @@ use crate::answer::{IdentifyAnswer, ParameterAnswer};
 use crate::published::area as area_of;
 use plotters::prelude::*;
 
-const SIZE: (u32, u32) = (760, 300);
+const SIZE: (u32, u32) = (620, 290);
 
 /// The figure; none without areas.
 pub fn figure(a: &IdentifyAnswer) -> Result<Option<Figure>, ReportError> {
@@ -20,7 +20,9 @@ pub fn figure(a: &IdentifyAnswer) -> Result<Option<Figure>, ReportError> {
     }
     let published = a.published.is_some();
     let note = if published { "; green diamonds: published" } else { "" };
-    let caption = format!("Toughness and strength along the tear path with 95 % intervals (hollow: not identifiable{note})");
+    let caption = format!(
+        "Toughness and strength along the tear path with 95 % intervals (hollow: not identifiable{note})"
+    );
     draw("path", caption, SIZE, |area| {
         let (left, right) = area.split_horizontally(SIZE.0 / 2);
         bars(&left, &gc, "Gc (N/mm)", MODEL)?;
@@ -46,7 +48,7 @@ fn bars(area: &Area, parameters: &[&ParameterAnswer], name: &str, colour: RGBCol
         .light_line_style(TRANSPARENT)
         .bold_line_style(FAINT)
         .axis_style(INK)
-        .label_style((FONT, 13).into_font().color(&INK))
+        .label_style((FONT, 15).into_font().color(&INK))
         .x_labels(areas.min(10))
         .x_label_formatter(&|x| if (x - x.round()).abs() < 1e-6 { tick(x) } else { String::new() })
         .y_label_formatter(&tick)

@@ -3,7 +3,7 @@
 use super::{Cell, escape, figures, numbers, table};
 use crate::answer::{IdentifyAnswer, ParameterAnswer, TestFit};
 use crate::figures::of_identify;
-use crate::terminal::{readable_unit, remark, significant};
+use crate::terminal::{SLOPPY_SHOWN, interval, readable_unit, remark, significant};
 use crate::{Curve, ReportError};
 
 /// Verdict, curves, parameters, what is not known.
@@ -15,13 +15,13 @@ pub fn body(a: &IdentifyAnswer, curves: &[Curve]) -> Result<String, ReportError>
         "<h2>Model and record</h2>\n".into(),
         figures(&tests),
         fits(a),
+        "<h2>Tear path and search</h2>\n".into(),
+        figures(&more),
+        format!("<p class=\"muted\">{}</p>\n", escape(&a.stopped_because)),
         "<h2>Parameters</h2>\n".into(),
         parameters(a),
         unknown(a),
         published(a),
-        "<h2>Tear path and search</h2>\n".into(),
-        figures(&more),
-        format!("<p class=\"muted\">{}</p>\n", escape(&a.stopped_because)),
         energies(a),
     ]
     .concat())
@@ -33,7 +33,11 @@ fn verdict(a: &IdentifyAnswer) -> String {
     } else {
         ("bad", "The model does not explain the records: an effect is missing, or the noise is understated.")
     };
-    let effects = if a.effects.is_empty() { "base model, no effects".to_owned() } else { format!("with {}", a.effects.join(", ")) };
+    let effects = if a.effects.is_empty() {
+        "base model, no effects".to_owned()
+    } else {
+        format!("with {}", a.effects.join(", "))
+    };
     let loose = a.parameters.iter().filter(|p| !p.identifiable).count();
     let boxes = [
         (significant(a.reduced_chi2_total, 3), "reduced χ², numerical error included (1: at the noise)"),
@@ -41,7 +45,11 @@ fn verdict(a: &IdentifyAnswer) -> String {
         (format!("{} of {}", a.parameters.len() - loose, a.parameters.len()), "parameters identifiable"),
         (format!("{:.1} s", a.seconds), "computing time"),
     ];
-    format!("<p class=\"muted\">{}</p>\n<p class=\"verdict {class}\">{word}</p>\n{}", escape(&effects), numbers(&boxes))
+    format!(
+        "<p class=\"muted\">{}</p>\n<p class=\"verdict {class}\">{word}</p>\n{}",
+        escape(&effects),
+        numbers(&boxes)
+    )
 }
 
 fn fits(a: &IdentifyAnswer) -> String {
@@ -57,8 +65,16 @@ fn fits(a: &IdentifyAnswer) -> String {
             Cell::number(significant(t.objective, 3)),
         ]
     };
-    let header =
-        ["test", "points", "rms misfit", "noise", "rms of peak", "reduced χ²", "with numerical error", "f = Σ misfit²"];
+    let header = [
+        "test",
+        "points",
+        "rms misfit",
+        "noise",
+        "rms of peak",
+        "reduced χ²",
+        "with numerical error",
+        "f = Σ misfit²",
+    ];
     let forces = a.tests.iter().map(|(n, t)| row(n, "N", t));
     table(&header, forces.chain(a.channels.iter().map(|(n, t)| row(n, "mm", t))))
 }
@@ -80,7 +96,7 @@ fn row(p: &ParameterAnswer, published: bool) -> Vec<Cell> {
         Cell::left(&p.path),
         Cell::number(show(Some(p.value))),
         Cell::left(unit),
-        Cell::number(format!("{} – {}", show(p.interval_95[0]), show(p.interval_95[1]))),
+        Cell::number(interval(p, factor)),
     ];
     if published {
         cells.push(Cell::number(p.published.map_or(String::new(), |v| significant(v * factor, 4))));
@@ -93,8 +109,16 @@ fn unknown(a: &IdentifyAnswer) -> String {
     if a.sloppy.is_empty() {
         return String::new();
     }
-    let list: String = a.sloppy.iter().map(|s| format!("<li>{}</li>\n", escape(s))).collect();
-    format!("<h2>What the records do not fix</h2>\n<ul>\n{list}</ul>\n")
+    let list =
+        |part: &[String]| -> String { part.iter().map(|s| format!("<li>{}</li>\n", escape(s))).collect() };
+    let (first, rest) = a.sloppy.split_at(a.sloppy.len().min(SLOPPY_SHOWN));
+    let more = if rest.is_empty() {
+        String::new()
+    } else {
+        let n = rest.len();
+        format!("<details><summary>{n} more combinations</summary>\n<ul>\n{}</ul></details>\n", list(rest))
+    };
+    format!("<h2>What the records do not fix</h2>\n<ul>\n{}</ul>\n{more}", list(first))
 }
 
 fn published(a: &IdentifyAnswer) -> String {
@@ -110,7 +134,17 @@ fn published(a: &IdentifyAnswer) -> String {
 }
 
 fn energies(a: &IdentifyAnswer) -> String {
-    let header = ["test", "external work", "stored", "tear, recoverable", "tear, lost", "bulk, lost", "rig", "set free in jumps", "gap"];
+    let header = [
+        "test",
+        "external work",
+        "stored",
+        "tear, recoverable",
+        "tear, lost",
+        "bulk, lost",
+        "rig",
+        "set free in jumps",
+        "gap",
+    ];
     let rows = a.tests.iter().filter_map(|(name, t)| {
         let e = t.energy.as_ref()?;
         let n = |x: f64| Cell::number(significant(x, 4));

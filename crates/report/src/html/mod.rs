@@ -96,8 +96,11 @@ impl Cell {
 fn table(header: &[&str], rows: impl Iterator<Item = Vec<Cell>>) -> String {
     let rows: Vec<Vec<Cell>> = rows.collect();
     let class = |i: usize| rows.first().and_then(|r| r.get(i)).map_or("", |c| c.class);
-    let head: String =
-        header.iter().enumerate().map(|(i, h)| format!("<th class=\"{}\">{}</th>", class(i), escape(h))).collect();
+    let head: String = header
+        .iter()
+        .enumerate()
+        .map(|(i, h)| format!("<th class=\"{}\">{}</th>", class(i), escape(h)))
+        .collect();
     let body: String = rows
         .iter()
         .map(|row| {
@@ -106,21 +109,27 @@ fn table(header: &[&str], rows: impl Iterator<Item = Vec<Cell>>) -> String {
             format!("<tr>{cells}</tr>\n")
         })
         .collect();
-    format!("<div class=\"scroll\"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody>\n</table></div>\n")
+    format!(
+        "<div class=\"scroll\"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody>\n</table></div>\n"
+    )
 }
 
 /// Figures side by side where there is room.
 fn figures(list: &[Figure]) -> String {
     let all: String = list
         .iter()
-        .map(|f| format!("<figure>{}<figcaption>{}</figcaption></figure>\n", for_html(&f.svg), escape(&f.caption)))
+        .map(|f| {
+            format!("<figure>{}<figcaption>{}</figcaption></figure>\n", for_html(&f.svg), escape(&f.caption))
+        })
         .collect();
     format!("<div class=\"figures\">\n{all}</div>\n")
 }
 
 /// Numbers in boxes: (number, what it is).
 fn numbers(list: &[(String, &str)]) -> String {
-    let all: String =
-        list.iter().map(|(n, what)| format!("<div><b>{}</b><span>{}</span></div>\n", escape(n), escape(what))).collect();
+    let all: String = list
+        .iter()
+        .map(|(n, what)| format!("<div><b>{}</b><span>{}</span></div>\n", escape(n), escape(what)))
+        .collect();
     format!("<div class=\"numbers\">\n{all}</div>\n")
 }

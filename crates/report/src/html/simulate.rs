@@ -8,9 +8,25 @@ use crate::{Curve, ReportError};
 
 /// Curves, jumps, energies.
 pub fn body(a: &SimulateAnswer, curves: &[Curve]) -> Result<String, ReportError> {
-    let effects = if a.effects.is_empty() { "base model, no effects".to_owned() } else { format!("with {}", a.effects.join(", ")) };
-    let early = a.stopped_because.as_ref().map_or(String::new(), |w| format!("<p class=\"verdict bad\">Ended early: {}</p>\n", escape(w)));
-    let header = ["test", "steps", "jumps", "external work (N·mm)", "stored", "tear, lost", "set free in jumps", "gap"];
+    let effects = if a.effects.is_empty() {
+        "base model, no effects".to_owned()
+    } else {
+        format!("with {}", a.effects.join(", "))
+    };
+    let early = a
+        .stopped_because
+        .as_ref()
+        .map_or(String::new(), |w| format!("<p class=\"verdict bad\">Ended early: {}</p>\n", escape(w)));
+    let header = [
+        "test",
+        "steps",
+        "jumps",
+        "external work (N·mm)",
+        "stored",
+        "tear, lost",
+        "set free in jumps",
+        "gap",
+    ];
     let rows = a.tests.iter().map(|(name, t)| {
         let n = |x: f64| Cell::number(significant(x, 4));
         vec![

@@ -8,6 +8,8 @@ use std::fmt::Write;
 
 /// Width of the small plots.
 const PLOT: usize = 72;
+/// Combinations of parameters that are told in words; the rest is counted.
+pub(crate) const SLOPPY_SHOWN: usize = 3;
 
 /// Verdict, parameters, fit of each test, what is not known, comparison with published values.
 pub fn identify(a: &IdentifyAnswer, curves: &[Curve], style: Style) -> String {
@@ -22,8 +24,12 @@ pub fn identify(a: &IdentifyAnswer, curves: &[Curve], style: Style) -> String {
     for curve in curves.iter().filter(|c| !c.measured.is_empty()) {
         let _ = writeln!(out, "\n{}", small_plot(curve, style));
     }
-    for line in &a.sloppy {
+    for line in a.sloppy.iter().take(SLOPPY_SHOWN) {
         let _ = writeln!(out, "{} {}", style.notice("!"), wrap(line, 96, 2));
+    }
+    if a.sloppy.len() > SLOPPY_SHOWN {
+        let more = a.sloppy.len() - SLOPPY_SHOWN;
+        let _ = writeln!(out, "  … and {more} more combinations, in summary.json under `sloppy`");
     }
     if let Some(p) = &a.published {
         let _ = writeln!(out, "\n{}", wrap(&format!("Published: {}", p.source), 98, 2));
@@ -39,16 +45,28 @@ pub fn identify(a: &IdentifyAnswer, curves: &[Curve], style: Style) -> String {
     let _ = writeln!(
         out,
         "\n{}",
-        wrap(&format!("{} iterations, {} model runs, {:.1} s. {}", a.iterations, a.forward_runs, a.seconds, a.stopped_because), 98, 0)
+        wrap(
+            &format!(
+                "{} iterations, {} model runs, {:.1} s. {}",
+                a.iterations, a.forward_runs, a.seconds, a.stopped_because
+            ),
+            98,
+            0
+        )
     );
     out
 }
 
 /// One line: is the model good enough?
 fn verdict(a: &IdentifyAnswer, style: Style) -> String {
-    let effects = if a.effects.is_empty() { "base model".to_owned() } else { format!("with {}", a.effects.join(", ")) };
+    let effects =
+        if a.effects.is_empty() { "base model".to_owned() } else { format!("with {}", a.effects.join(", ")) };
     let head = format!("{} ({effects})", a.specimen);
-    let chi2 = format!("reduced χ² {} ({} with numerical error)", significant(a.reduced_chi2, 3), significant(a.reduced_chi2_total, 3));
+    let chi2 = format!(
+        "reduced χ² {} ({} with numerical error)",
+        significant(a.reduced_chi2, 3),
+        significant(a.reduced_chi2_total, 3)
+    );
     let word = if a.explained {
         style.good("the model explains the records")
     } else {
@@ -72,12 +90,7 @@ fn parameter_table(a: &IdentifyAnswer) -> String {
 fn parameter_row(p: &ParameterAnswer, published: bool) -> Vec<String> {
     let (unit, factor) = readable_unit(&p.path, &p.unit);
     let show = |x: Option<f64>| x.map_or("…".into(), |x| significant(x * factor, 4));
-    let mut row = vec![
-        p.path.clone(),
-        show(Some(p.value)),
-        unit.to_owned(),
-        format!("{} – {}", show(p.interval_95[0]), show(p.interval_95[1])),
-    ];
+    let mut row = vec![p.path.clone(), show(Some(p.value)), unit.to_owned(), interval(p, factor)];
     if published {
         row.push(p.published.map_or(String::new(), |v| significant(v * factor, 4)));
     }
@@ -85,11 +98,20 @@ fn parameter_row(p: &ParameterAnswer, published: bool) -> Vec<String> {
     row
 }
 
+/// The 95 % interval; where it spans more than three decades, that it says nothing.
+pub(crate) fn interval(p: &ParameterAnswer, factor: f64) -> String {
+    let [Some(low), Some(high)] = p.interval_95 else { return "not fixed".into() };
+    if low > 0.0 && high > 1e3 * low {
+        return "over 1000-fold".into();
+    }
+    format!("{} – {}", significant(low * factor, 4), significant(high * factor, 4))
+}
+
 /// Flags of a parameter in words.
 pub(crate) fn remark(p: &ParameterAnswer) -> String {
     let mut words = Vec::new();
     if p.at_bound {
-        words.push("at its bound");
+        words.push("at bound");
     }
     if !p.identifiable {
         words.push("not identifiable");
@@ -100,7 +122,17 @@ pub(crate) fn remark(p: &ParameterAnswer) -> String {
 }
 
 fn test_table(a: &IdentifyAnswer) -> String {
-    let header = ["test", "points", "rms misfit", "noise", "of peak", "reduced χ²", "with num. error", "f = Σr²", "energy gap"];
+    let header = [
+        "test",
+        "points",
+        "rms misfit",
+        "noise",
+        "of peak",
+        "reduced χ²",
+        "with num. error",
+        "f = Σr²",
+        "energy gap",
+    ];
     let row = |unit: &str, name: &String, t: &crate::answer::TestFit| {
         vec![
             name.clone(),
@@ -114,7 +146,8 @@ fn test_table(a: &IdentifyAnswer) -> String {
             t.energy.as_ref().map_or(String::new(), |e| format!("{:.3} %", 100.0 * e.closure)),
         ]
     };
-    let rows = a.tests.iter().map(|(n, t)| row("N", n, t)).chain(a.channels.iter().map(|(n, t)| row("mm", n, t)));
+    let rows =
+        a.tests.iter().map(|(n, t)| row("N", n, t)).chain(a.channels.iter().map(|(n, t)| row("mm", n, t)));
     table(&header, &[0], rows.collect())
 }
 
@@ -128,6 +161,9 @@ fn small_plot(c: &Curve, style: Style) -> String {
         ("model", sparkline(&c.model, PLOT, low, high), String::new()),
         ("misfit", sparkline(&residual, PLOT, -most, most), format!("± {} N", significant(most, 2))),
     ];
-    let body: Vec<String> = lines.iter().map(|(name, line, note)| format!("  {name:<9}{line}  {note}").trim_end().to_owned()).collect();
+    let body: Vec<String> = lines
+        .iter()
+        .map(|(name, line, note)| format!("  {name:<9}{line}  {note}").trim_end().to_owned())
+        .collect();
     format!("{}\n{}", style.bold(&c.test), body.join("\n"))
 }

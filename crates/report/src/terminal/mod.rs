@@ -1,12 +1,14 @@
 //! What is printed on a terminal: tables of at most 100 columns and small plots.
 
+mod discover;
 mod identify;
 mod overview;
 mod plot;
 mod simulate;
 
+pub use discover::{compare, discover};
 pub use identify::identify;
-pub(crate) use identify::remark;
+pub(crate) use identify::{SLOPPY_SHOWN, interval, remark};
 pub use overview::{BatchRow, LadderRow, batch, batch_rows, ladder, ladder_rows};
 pub use plot::sparkline;
 pub use simulate::simulate;

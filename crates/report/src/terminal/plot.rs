@@ -11,7 +11,10 @@ pub fn sparkline(values: &[f64], width: usize, low: f64, high: f64) -> String {
     let span = (high - low).max(f64::MIN_POSITIVE);
     (0..width)
         .map(|i| {
-            let (from, to) = (i * values.len() / width, ((i + 1) * values.len() / width).max(i * values.len() / width + 1));
+            let (from, to) = (
+                i * values.len() / width,
+                ((i + 1) * values.len() / width).max(i * values.len() / width + 1),
+            );
             let part = &values[from..to];
             let mean = part.iter().sum::<f64>() / part.len() as f64;
             let level = ((mean - low) / span * 7.0).round().clamp(0.0, 7.0);

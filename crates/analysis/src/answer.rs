@@ -1,0 +1,255 @@
+//! The answers of compare, diagnose and discover, in the contract's words.
+
+use crate::compare::{self, Where};
+use crate::identify::AnalysisError;
+use crate::ladder::FeLadder;
+use crate::problem::Cancelled;
+use diagnose::{Discovery, Finding, Policy, Rung, Screen, Verdict};
+use input::Case;
+use model::Catalogue;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// One effect of the screen.
+#[derive(Clone, Debug, Serialize)]
+pub struct ScreenRow {
+    /// Name in the catalogue.
+    pub effect: String,
+    /// Expected fall as a share of χ².
+    pub expected_fall: f64,
+    /// p-value, shapes paid for.
+    pub p_value: f64,
+    /// The same, adjusted for the whole catalogue.
+    pub q_value: f64,
+    /// Estimated parameters by file key.
+    pub estimate: BTreeMap<String, f64>,
+    /// Whether a plausible amplitude would be seen.
+    pub visible: bool,
+    /// Standard deviations at which a plausible amplitude shows beyond the base parameters.
+    pub signal_to_noise: f64,
+    /// Whether it is called for.
+    pub significant: bool,
+    /// A short refit decides, not the derivative.
+    pub refit_only: bool,
+    /// Effects that these records cannot tell from it.
+    pub look_alikes: Vec<String>,
+    /// The finding as a sentence.
+    pub sentence: String,
+}
+
+/// One step of the staircase.
+#[derive(Clone, Debug, Serialize)]
+pub struct LadderRow {
+    /// Effects in the model.
+    pub effects: Vec<String>,
+    /// Free parameters.
+    pub parameters: usize,
+    /// Root mean square misfit over all force points, N.
+    #[serde(rename = "rms_N")]
+    pub rms_n: f64,
+    /// Reduced χ² with the record's noise alone.
+    pub reduced_chi2: f64,
+    /// The same with the model's numerical error.
+    pub reduced_chi2_total: f64,
+    /// Root mean square misfit of held-out segments, N.
+    #[serde(rename = "held_out_rms_N")]
+    pub held_out_rms_n: Option<f64>,
+    /// Bayesian information criterion.
+    pub bic: f64,
+    /// What became of base and effect parameters at this rung.
+    pub values: BTreeMap<String, f64>,
+}
+
+/// The segment or channel that would separate rivals.
+#[derive(Clone, Debug, Serialize)]
+pub struct NextTest {
+    /// What to do, in words.
+    pub proposal: String,
+    /// The rivals it would separate.
+    pub separates: Vec<String>,
+    /// How the proposal was found.
+    pub basis: String,
+}
+
+/// Answer of `fct diagnose` and `fct discover`.
+#[derive(Clone, Debug, Serialize)]
+pub struct DiscoverAnswer {
+    /// Version of this answer's form.
+    pub schema: u32,
+    /// Specimen.
+    pub specimen: String,
+    /// Where the data come from.
+    pub provenance: String,
+    /// The whole catalogue at the base model, most significant first.
+    pub screen: Vec<ScreenRow>,
+    /// Accepted models, base first (empty for diagnose).
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub ladder: Vec<LadderRow>,
+    /// Effects added in the end.
+    pub found: Vec<String>,
+    /// For each of `found`: itself and every effect these records cannot tell from it.
+    pub groups: Vec<Vec<String>>,
+    /// `nothing_missing`, `explained`, `ambiguous`, `unexplained`.
+    pub verdict: String,
+    /// The verdict as sentences.
+    pub words: Vec<String>,
+    /// Where the base model fails.
+    #[serde(rename = "where")]
+    pub place: Vec<Where>,
+    /// What would separate the rivals.
+    pub next_test: Option<NextTest>,
+    /// Forward runs.
+    pub forward_runs: usize,
+    /// Wall time, s.
+    pub seconds: f64,
+}
+
+fn screen_rows(screen: &Screen, policy: &Policy, catalogue: &Catalogue) -> Vec<ScreenRow> {
+    screen
+        .findings
+        .iter()
+        .map(|f| ScreenRow {
+            effect: f.effect.clone(),
+            expected_fall: f.expected_fall,
+            p_value: f.p_value,
+            q_value: f.q_value,
+            estimate: estimate(f, catalogue),
+            visible: f.visible,
+            signal_to_noise: f.snr,
+            significant: f.significant,
+            refit_only: f.refit_only,
+            look_alikes: f.look_alikes.clone(),
+            sentence: diagnose::words::finding(f, policy),
+        })
+        .collect()
+}
+
+/// Estimated parameters by file key, in the unit of the key, neutral value added.
+fn estimate(f: &Finding, catalogue: &Catalogue) -> BTreeMap<String, f64> {
+    let specs = catalogue.get(&f.effect).map(|e| e.parameters(&model::Options::new())).unwrap_or_default();
+    let mut out = BTreeMap::new();
+    for (name, value) in f.amplitudes.iter().map(|(n, a)| (n, *a)).chain(f.shape.iter().map(|(n, s)| (n, *s))) {
+        let spec = specs.iter().find(|s| s.key() == *name);
+        let is_amplitude = f.amplitudes.iter().any(|a| a.0 == *name);
+        let neutral = spec.filter(|_| is_amplitude).and_then(|s| s.neutral).unwrap_or(0.0);
+        let shown = spec.map_or(value, |s| s.in_file_unit(value + neutral));
+        out.insert(name.clone(), shown);
+    }
+    out
+}
+
+fn word(v: Verdict) -> &'static str {
+    match v {
+        Verdict::NothingMissing => "nothing_missing",
+        Verdict::Explained => "explained",
+        Verdict::Ambiguous => "ambiguous",
+        Verdict::Unexplained => "unexplained",
+    }
+}
+
+fn ladder_row(l: &FeLadder, r: &Rung) -> LadderRow {
+    let fitted = l.rungs.get(&FeLadder::key(&r.effects));
+    let values = fitted.map_or_else(BTreeMap::new, |f| {
+        f.free.iter().map(|&i| (f.model.parameters[i].path.clone(), f.theta[i])).collect()
+    });
+    LadderRow {
+        effects: r.effects.clone(),
+        parameters: r.parameters,
+        rms_n: r.rms,
+        reduced_chi2: r.reduced_chi2,
+        reduced_chi2_total: r.reduced_chi2_total(),
+        held_out_rms_n: r.held_out_rms,
+        bic: r.bic,
+        values,
+    }
+}
+
+/// What separates the members of the first group with rivals, from their cards.
+fn next_test(d: &Discovery, catalogue: &Catalogue) -> Option<NextTest> {
+    let group = d.groups.iter().find(|g| g.len() > 1)?;
+    let card = catalogue.get(&group[0])?.card().separated_by;
+    Some(NextTest {
+        proposal: card.to_owned(),
+        separates: group.clone(),
+        basis: "the effect's card; its power was not simulated".to_owned(),
+    })
+}
+
+/// Screens the catalogue at the identified model.
+///
+/// # Errors
+/// [`AnalysisError`].
+pub fn diagnose(
+    case: Arc<Case>,
+    catalogue: &Catalogue,
+    progress: &(dyn Fn(&str) + Sync),
+    cancelled: Cancelled,
+) -> Result<DiscoverAnswer, AnalysisError> {
+    let start = Instant::now();
+    let policy = Policy::default();
+    let mut ladder = FeLadder::new(case.clone(), catalogue, policy.clone(), progress, cancelled)?;
+    let rung = diagnose::Ladder::fit(&mut ladder, &[], &diagnose::Hints::new())?;
+    let screen = diagnose::Ladder::screen(&mut ladder, &rung)?;
+    let explained = rung.explained(&policy);
+    let called: Vec<&Finding> = screen.findings.iter().filter(|f| f.significant).collect();
+    let verdict = match (explained, called.first()) {
+        (true, None) => "nothing_missing",
+        (_, Some(f)) if f.look_alikes.is_empty() => "explained",
+        (_, Some(_)) => "ambiguous",
+        (false, None) => "unexplained",
+    };
+    let mut words = vec![diagnose::words::place(&compare::atlas_of(&ladder))];
+    words.extend(called.iter().take(3).map(|f| diagnose::words::finding(f, &policy)));
+    words.push("A screen is a linear prediction: `fct discover` refits the candidates before it names one.".into());
+    Ok(DiscoverAnswer {
+        schema: 1,
+        specimen: case.name.clone(),
+        provenance: case.provenance.clone(),
+        screen: screen_rows(&screen, &policy, catalogue),
+        ladder: Vec::new(),
+        found: called.first().map(|f| vec![f.effect.clone()]).unwrap_or_default(),
+        groups: called
+            .first()
+            .map(|f| vec![std::iter::once(f.effect.clone()).chain(f.look_alikes.clone()).collect()])
+            .unwrap_or_default(),
+        verdict: verdict.to_owned(),
+        words,
+        place: compare::places(&ladder),
+        next_test: None,
+        forward_runs: ladder.runs,
+        seconds: start.elapsed().as_secs_f64(),
+    })
+}
+
+/// The whole loop: add effects until the record is explained, or honestly not.
+///
+/// # Errors
+/// [`AnalysisError`].
+pub fn discover(
+    case: Arc<Case>,
+    catalogue: &Catalogue,
+    progress: &(dyn Fn(&str) + Sync),
+    cancelled: Cancelled,
+) -> Result<DiscoverAnswer, AnalysisError> {
+    let start = Instant::now();
+    let policy = Policy::default();
+    let mut ladder = FeLadder::new(case.clone(), catalogue, policy.clone(), progress, cancelled)?;
+    let d = diagnose::discover(&mut ladder, &policy, &mut |s| progress(s))?;
+    Ok(DiscoverAnswer {
+        schema: 1,
+        specimen: case.name.clone(),
+        provenance: case.provenance.clone(),
+        screen: screen_rows(&d.screen, &policy, catalogue),
+        ladder: d.ladder.iter().map(|r| ladder_row(&ladder, r)).collect(),
+        found: d.found.clone(),
+        groups: d.groups.clone(),
+        verdict: word(d.verdict).to_owned(),
+        words: vec![diagnose::words::verdict(&d, &policy)],
+        place: compare::places(&ladder),
+        next_test: next_test(&d, catalogue),
+        forward_runs: ladder.runs,
+        seconds: start.elapsed().as_secs_f64(),
+    })
+}
