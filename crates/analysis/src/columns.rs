@@ -165,11 +165,9 @@ impl Base<'_> {
         let runs = self.run(&tried, &variants)?;
         let prediction = self.gather_base(&runs)?;
         let mut shapes: Vec<Vec<Shape>> = tried.iter().map(|_| Vec::new()).collect();
-        let mut offset = self.free.len();
-        for v in &variants {
+        for (offset, v) in (self.free.len()..).zip(&variants) {
             let t = &tried[v.effect];
             let column = self.gather_variant(&runs, t, v, offset)?;
-            offset += 1;
             let parameters = t.names.iter().cloned().zip(v.values.iter().copied()).skip(1).collect();
             shapes[v.effect].push(Shape { parameters, columns: DMatrix::from_columns(&[column]) });
         }

@@ -176,10 +176,10 @@ pub fn identify(case: Arc<Case>, catalogue: &Catalogue, control: &Control) -> Re
     if list.is_empty() {
         return Err(AnalysisError::Case("no parameter is free".into()));
     }
-    if case.identify.coarse_first {
-        if let Some(start) = crate::start::one_area(&case, catalogue, &mut work, &list)? {
-            crate::start::spread(&fine, &start, &mut work.theta);
-        }
+    if case.identify.coarse_first
+        && let Some(start) = crate::start::one_area(&case, catalogue, &mut work, &list)?
+    {
+        crate::start::spread(&fine, &start, &mut work.theta);
     }
     if let Some(coarse) = coarse.as_ref().filter(|_| case.identify.coarse_first) {
         for (stage, free, tests) in &list {

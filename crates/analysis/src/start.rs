@@ -190,10 +190,10 @@ pub fn start_at<'a>(case: &mut Case, values: impl Iterator<Item = (&'a str, f64)
                 _ => continue,
             };
             slot.value = Some(value);
-        } else if let Some((effect, name)) = path.strip_prefix("effects.").and_then(|r| r.split_once('.')) {
-            if let Some(e) = case.effects.iter_mut().find(|e| e.name == effect) {
-                e.parameters.entry(name.to_owned()).or_default().value = Some(value);
-            }
+        } else if let Some((effect, name)) = path.strip_prefix("effects.").and_then(|r| r.split_once('.'))
+            && let Some(e) = case.effects.iter_mut().find(|e| e.name == effect)
+        {
+            e.parameters.entry(name.to_owned()).or_default().value = Some(value);
         }
     }
 }

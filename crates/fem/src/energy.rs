@@ -59,7 +59,13 @@ pub fn internal(
         let f = hex8::mean_dilatation_gradients(geo, &gather8(&state.u, h));
         for q in 0..hex8::POINTS {
             let at = (e * hex8::POINTS + q) * nh;
-            let e = problem.bulk.energies(ctx, &f[q], &local.bulk, &old.bulk[at..at + nh], &state.history.bulk[at..at + nh]);
+            let e = problem.bulk.energies(
+                ctx,
+                &f[q],
+                &local.bulk,
+                &old.bulk[at..at + nh],
+                &state.history.bulk[at..at + nh],
+            );
             bulk.stored += m * geo.volumes[q] * e.stored;
             bulk.dissipated += m * geo.volumes[q] * e.dissipated;
         }
@@ -81,7 +87,13 @@ pub fn internal(
             };
             for (q, (opening, area)) in points.iter().enumerate() {
                 let at = (e * interface::POINTS + q) * nh;
-                let en = path.law.energies(&ctx[q], opening, &local.path[e][q], &old.path[at..at + nh], &state.history.path[at..at + nh]);
+                let en = path.law.energies(
+                    &ctx[q],
+                    opening,
+                    &local.path[e][q],
+                    &old.path[at..at + nh],
+                    &state.history.path[at..at + nh],
+                );
                 path_energy.stored += m * share * area * en.stored;
                 path_energy.dissipated += m * share * area * en.dissipated;
             }

@@ -54,11 +54,19 @@ pub struct Converged {
 }
 
 /// Elongation of the load train at a force, its slope, and its new history.
-pub fn train_elongation(problem: &Problem, params: &[Vec<f64>], ctx: &Context, force: f64, old: &[f64], new: &mut [f64]) -> (f64, f64) {
+pub fn train_elongation(
+    problem: &Problem,
+    params: &[Vec<f64>],
+    ctx: &Context,
+    force: f64,
+    old: &[f64],
+    new: &mut [f64],
+) -> (f64, f64) {
     let (mut e, mut slope, mut at) = (0.0, 0.0, 0);
     for (link, p) in problem.train.iter().zip(params) {
         let nh = link.law.history().len();
-        let (v, d) = tangent_by_jets_1(&*link.law, ctx, &[force], p, &old[at..at + nh], &mut new[at..at + nh]);
+        let (v, d) =
+            tangent_by_jets_1(&*link.law, ctx, &[force], p, &old[at..at + nh], &mut new[at..at + nh]);
         e += v[0];
         slope += d[0][0];
         at += nh;
@@ -168,17 +176,21 @@ impl Step<'_> {
             if imbalance <= self.options.tolerance && loop_error <= 1e-12 {
                 return Ok(Converged { iterations: iteration, border: near });
             }
-            if iteration == self.options.max_iterations || !(imbalance < 1e12) {
+            if iteration == self.options.max_iterations || imbalance >= 1e12 || imbalance.is_nan() {
                 break;
             }
             let border = Border::of(system, self.problem.multiplicity)?;
             let (du_g, du_a) = self.scalar_step(system, state, &border);
             let close = imbalance <= NEAR;
-            (imbalance, loop_error) = self.line_search(system, state, &border, (du_g, du_a), best, iteration)?;
+            (imbalance, loop_error) =
+                self.line_search(system, state, &border, (du_g, du_a), best, iteration)?;
             near = close.then_some(border);
             best = best.min(imbalance);
         }
-        Err(self.failure(&format!("out-of-balance force {imbalance:.1e} after {} iterations", self.options.max_iterations)))
+        Err(self.failure(&format!(
+            "out-of-balance force {imbalance:.1e} after {} iterations",
+            self.options.max_iterations
+        )))
     }
 
     fn failure(&self, reason: &str) -> FemError {
@@ -187,7 +199,14 @@ impl Step<'_> {
 
     /// Assembles and measures: relative out-of-balance force, relative error of the train loop.
     fn evaluate(&self, system: &mut System, state: &mut State) -> Result<(f64, f64), FemError> {
-        system.assemble(self.problem, self.local, &self.ctx, &state.u, &self.old.history, &mut state.history)?;
+        system.assemble(
+            self.problem,
+            self.local,
+            &self.ctx,
+            &state.u,
+            &self.old.history,
+            &mut state.history,
+        )?;
         state.force = self.problem.multiplicity * system.grip_force;
         let (closing, _) = self.loop_closing(system, state);
         let length = self.length_scale(state);

@@ -36,7 +36,9 @@ pub enum FemError {
     #[error("{0}")]
     Element(#[from] ElementFault),
     /// Newton's method did not converge at the smallest step.
-    #[error("no equilibrium found at displacement {displacement:.6} mm (step cut to {step:.1e} mm): {reason}")]
+    #[error(
+        "no equilibrium found at displacement {displacement:.6} mm (step cut to {step:.1e} mm): {reason}"
+    )]
     NoConvergence {
         /// Actuator displacement, mm.
         displacement: f64,

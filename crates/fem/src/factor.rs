@@ -207,7 +207,8 @@ impl Factor {
     fn backward_error(&self, x: &[f64], b: &[f64]) -> f64 {
         let mut r = b.to_vec();
         self.subtract_product(x, &mut r);
-        let max = |v: &[f64]| v.iter().fold(0.0f64, |m, a| if a.is_nan() { f64::NAN } else { m.max(a.abs()) });
+        let max =
+            |v: &[f64]| v.iter().fold(0.0f64, |m, a| if a.is_nan() { f64::NAN } else { m.max(a.abs()) });
         let a = max(&self.values);
         let (rn, xn, bn) = (max(&r), max(x), max(b));
         // A solution 1e13 times larger than the load over the stiffness is a null vector.

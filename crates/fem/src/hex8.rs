@@ -46,8 +46,7 @@ pub const fn packed(i: usize, j: usize) -> usize {
 /// Geometry from the eight reference positions, mm.
 pub fn geometry<X: Scalar>(nodes: &[[X; 3]; 8]) -> Geometry<X> {
     let g = 1.0 / 3f64.sqrt();
-    let mut out =
-        Geometry { gradients: [[[X::zero(); 3]; 8]; POINTS], volumes: [X::zero(); POINTS] };
+    let mut out = Geometry { gradients: [[[X::zero(); 3]; 8]; POINTS], volumes: [X::zero(); POINTS] };
     for q in 0..POINTS {
         let xi = CORNERS[q].map(|c| c * g);
         let local = local_gradients(xi);
@@ -122,8 +121,7 @@ fn kinematics<X: Scalar>(geo: &Geometry<X>, u: &[[X; 3]; 8]) -> Kinematics<X> {
         for a in 0..8 {
             let g = &geo.gradients[q][a];
             for i in 0..3 {
-                k.spatial[q][a][i] =
-                    (cof[3 * i] * g[0] + cof[3 * i + 1] * g[1] + cof[3 * i + 2] * g[2]) * r;
+                k.spatial[q][a][i] = (cof[3 * i] * g[0] + cof[3 * i + 1] * g[1] + cof[3 * i + 2] * g[2]) * r;
             }
         }
         k.smallest_j = k.smallest_j.min(det.value());
@@ -305,7 +303,7 @@ pub fn tangent(
     out: &mut Tangent,
 ) -> Result<(), ElementFault> {
     let k = kinematics(geo, u);
-    if !(k.smallest_j > 0.0) {
+    if k.smallest_j <= 0.0 || k.smallest_j.is_nan() {
         return Err(ElementFault::Inverted { element, jacobian: k.smallest_j });
     }
     let nh = old.len() / POINTS;
@@ -386,12 +384,17 @@ fn prepare(
     let g = &point.g;
     for i in 0..3 {
         for b in 0..8 {
-            residual[i][b] += w * (dev[3 * i] * g[0][b] + dev[3 * i + 1] * g[1][b] + dev[3 * i + 2] * g[2][b]);
+            residual[i][b] +=
+                w * (dev[3 * i] * g[0][b] + dev[3 * i + 1] * g[1][b] + dev[3 * i + 2] * g[2][b]);
             point.h[i][b] = w
-                * (m[3 * i] * g[0][b] + m[3 * i + 1] * g[1][b] + m[3 * i + 2] * g[2][b] + 0.5 * s * point.alpha[i][b]);
+                * (m[3 * i] * g[0][b]
+                    + m[3 * i + 1] * g[1][b]
+                    + m[3 * i + 2] * g[2][b]
+                    + 0.5 * s * point.alpha[i][b]);
         }
         for kl in 0..9 {
-            let (m0, m1, m2) = (w * modulus[3 * i][kl], w * modulus[3 * i + 1][kl], w * modulus[3 * i + 2][kl]);
+            let (m0, m1, m2) =
+                (w * modulus[3 * i][kl], w * modulus[3 * i + 1][kl], w * modulus[3 * i + 2][kl]);
             for b in 0..8 {
                 point.c[i][kl][b] = m0 * g[0][b] + m1 * g[1][b] + m2 * g[2][b];
             }
@@ -401,7 +404,14 @@ fn prepare(
 
 /// One row of the element stiffness, summed over the points, written to the packed triangle.
 #[inline(always)]
-fn stiffness_row(points: &[Point; POINTS], mean: &[Lane; 3], pressure: f64, a: usize, i: usize, packed_out: &mut [f64; PACKED]) {
+fn stiffness_row(
+    points: &[Point; POINTS],
+    mean: &[Lane; 3],
+    pressure: f64,
+    a: usize,
+    i: usize,
+    packed_out: &mut [f64; PACKED],
+) {
     let mut acc = [[0.0; 8]; 3];
     let f = pressure * mean[i][a];
     for k in 0..3 {

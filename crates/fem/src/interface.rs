@@ -176,6 +176,9 @@ where
     r
 }
 
+/// Residual (24 forces) of the full element and its 24 × 24 tangent.
+pub type ForceAndTangent = ([f64; 24], Box<[[f64; 24]; 24]>);
+
 /// Residual and 24 × 24 tangent of the full element, by three jet sweeps of eight unknowns.
 #[allow(clippy::too_many_arguments)]
 pub fn tangent(
@@ -188,7 +191,7 @@ pub fn tangent(
     rule: Integration,
     old: &[f64],
     new: &mut [f64],
-) -> Result<([f64; 24], Box<[[f64; 24]; 24]>), ElementFault> {
+) -> Result<ForceAndTangent, ElementFault> {
     let lifted: [Vec<Jet<8>>; POINTS] =
         std::array::from_fn(|q| params[q].iter().map(|&p| Jet::constant(p)).collect());
     let xj = x.map(|n| n.map(Jet::<8>::constant));
@@ -279,7 +282,8 @@ pub fn mirrored_tangent(
         let d: f64 = (0..4).map(|a| 2.0 * s.n[a] * uy[a]).sum();
         let local = [d, 0.0, 0.0];
         let h = q * nh..(q + 1) * nh;
-        let (t, c) = match law.hand_tangent(&ctx[q], &local, &params[q], &old[h.clone()], &mut new[h.clone()]) {
+        let (t, c) = match law.hand_tangent(&ctx[q], &local, &params[q], &old[h.clone()], &mut new[h.clone()])
+        {
             Some(done) => done,
             None => tangent_by_jets_3(law, &ctx[q], &local, &params[q], &old[h.clone()], &mut new[h]),
         };

@@ -7,6 +7,8 @@
 //!
 //! The crate sees laws only as [`constitutive::PointLaw`] objects: it knows no material.
 #![warn(missing_docs)]
+// Index loops over small fixed arrays vectorise, and read like the formulas they implement.
+#![allow(clippy::needless_range_loop)]
 
 mod energy;
 mod equilibrium;
@@ -25,6 +27,8 @@ pub use energy::Ledger;
 pub use equilibrium::{Control, NewtonOptions};
 pub use error::{ElementFault, FemError};
 pub use march::{Jump, MarchOptions, NoObserver, Observer, Run, StepRecord, Target, Warm, march};
-pub use problem::{Blend, Body, CohesiveElement, Link, LocalParams, MountField, Path, Prescribed, Problem, ShapeField};
+pub use problem::{
+    Blend, Body, CohesiveElement, Link, LocalParams, MountField, Path, Prescribed, Problem, ShapeField,
+};
 pub use state::{History, State, gather4, gather8};
 pub use system::{NONE, System};

@@ -1,7 +1,9 @@
 //! A run through a plan of actuator displacements: steps, cuts, jumps, sensitivities, ledger.
 
 use crate::energy::{self, Ledger};
-use crate::equilibrium::{Border, Control, NewtonOptions, Step, free_dofs, mean_opening, take_up, train_elongation};
+use crate::equilibrium::{
+    Border, Control, NewtonOptions, Step, free_dofs, mean_opening, take_up, train_elongation,
+};
 use crate::error::FemError;
 use crate::path;
 use crate::problem::{LocalParams, Problem};
@@ -242,7 +244,10 @@ pub fn march(
             m.run.failure = Some(FemError::Setup("stopped by the user".into()));
             break;
         }
-        let turned = index >= 2 && (target.actuator - targets[index - 1].actuator) * (targets[index - 1].actuator - targets[index - 2].actuator) <= 0.0;
+        let turned = index >= 2
+            && (target.actuator - targets[index - 1].actuator)
+                * (targets[index - 1].actuator - targets[index - 2].actuator)
+                <= 0.0;
         if turned {
             m.recent.truncate(0);
         }
@@ -285,7 +290,8 @@ impl March<'_> {
         if !self.reusable || self.options.follow_path {
             return false;
         }
-        let same = |v: &Visit| (v.state.actuator - target.actuator).abs() <= 1e-12 * target.actuator.abs().max(1.0);
+        let same =
+            |v: &Visit| (v.state.actuator - target.actuator).abs() <= 1e-12 * target.actuator.abs().max(1.0);
         let Some(at) = self.visits.iter().rposition(same) else { return false };
         let (step, state) = (self.visits[at].step, self.visits[at].state.clone());
         self.train_energy = self.run.steps[step].ledger.rig;
@@ -329,7 +335,16 @@ impl March<'_> {
             let dt = (end - done) * target.dt;
             match self.attempt(actuator, dt, clock, guess.take()) {
                 Ok((border, iterations, fresh)) => {
-                    fresh_commit(self, fresh, start_time + clock * end * target.dt, dt, last.then_some(index), iterations, None, &border)?;
+                    fresh_commit(
+                        self,
+                        fresh,
+                        start_time + clock * end * target.dt,
+                        dt,
+                        last.then_some(index),
+                        iterations,
+                        None,
+                        &border,
+                    )?;
                     if last {
                         return Ok(());
                     }
@@ -345,7 +360,11 @@ impl March<'_> {
                         }
                         path::jump(self, travel.signum(), share * travel.abs(), dt)
                             .map_err(|why| blame(why, self.state.actuator, share * travel.abs()))?;
-                        done = if travel == 0.0 { 1.0 } else { ((self.state.actuator - start) / travel).clamp(0.0, 1.0) };
+                        done = if travel == 0.0 {
+                            1.0
+                        } else {
+                            ((self.state.actuator - start) / travel).clamp(0.0, 1.0)
+                        };
                         share = (1.0 - done).max(1e-9);
                         if done >= 1.0 - 1e-12 {
                             return Ok(());
@@ -357,7 +376,13 @@ impl March<'_> {
     }
 
     /// One Newton solution at a standing actuator, with the checks that a step must pass.
-    fn attempt(&mut self, actuator: f64, dt: f64, clock: f64, guess: Option<Vec<f64>>) -> Result<(Border, usize, State), FemError> {
+    fn attempt(
+        &mut self,
+        actuator: f64,
+        dt: f64,
+        clock: f64,
+        guess: Option<Vec<f64>>,
+    ) -> Result<(Border, usize, State), FemError> {
         let mut fresh = self.state.clone();
         fresh.actuator = actuator;
         let plain_train = self.problem.train.is_empty();
@@ -396,7 +421,11 @@ impl March<'_> {
 
     /// Stability, and no unexplained change of force.
     fn check(&self, fresh: &State, border: &Border) -> Result<(), FemError> {
-        let unstable = |reason: &str| FemError::NoConvergence { displacement: fresh.actuator, step: 0.0, reason: reason.into() };
+        let unstable = |reason: &str| FemError::NoConvergence {
+            displacement: fresh.actuator,
+            step: 0.0,
+            reason: reason.into(),
+        };
         if self.problem.path.is_some() && self.system.factor.negative_pivots() > 0 {
             return Err(unstable("the equilibrium found is unstable"));
         }
@@ -420,8 +449,14 @@ impl March<'_> {
     pub fn actuator_slope(&self, border: &Border, state: &State) -> f64 {
         let mut scratch = self.state.history.train.clone();
         let ctx = self.context(1.0);
-        let (_, e_slope) =
-            train_elongation(self.problem, &self.local.train, &ctx, state.force, &self.state.history.train, &mut scratch);
+        let (_, e_slope) = train_elongation(
+            self.problem,
+            &self.local.train,
+            &ctx,
+            state.force,
+            &self.state.history.train,
+            &mut scratch,
+        );
         let (_, s_slope) = take_up(self.problem, &self.local.takeup, state.actuator);
         border.stiffness * s_slope / (1.0 + e_slope * border.stiffness)
     }
@@ -430,7 +465,12 @@ impl March<'_> {
         Context { dt, time: self.state.time + dt, path_position: 0.5 }
     }
 
-    pub fn newton(&mut self, ctx: Context, control: Control, fresh: &mut State) -> Result<crate::equilibrium::Converged, FemError> {
+    pub fn newton(
+        &mut self,
+        ctx: Context,
+        control: Control,
+        fresh: &mut State,
+    ) -> Result<crate::equilibrium::Converged, FemError> {
         if self.run.iterations > self.options.budget {
             return Err(FemError::Setup(format!("more than {} Newton iterations", self.options.budget)));
         }
@@ -557,7 +597,13 @@ fn history_moved(a: &State, b: &State) -> bool {
         || differs(&a.history.train, &b.history.train)
 }
 
-fn differentiate(m: &mut March, fresh: &State, ctx: Context, arc: Option<[f64; 2]>, border: &Border) -> Result<StepDerivatives, FemError> {
+fn differentiate(
+    m: &mut March,
+    fresh: &State,
+    ctx: Context,
+    arc: Option<[f64; 2]>,
+    border: &Border,
+) -> Result<StepDerivatives, FemError> {
     if m.columns.is_empty() {
         return Ok(StepDerivatives::default());
     }

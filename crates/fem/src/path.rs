@@ -19,7 +19,12 @@ const MOST_JUMP_STEPS: usize = 800;
 fn tangent(m: &March, border: &Border, state: &State) -> [f64; 2] {
     let mut scratch = m.state.history.train.clone();
     let (_, e_slope) = train_elongation(
-        m.problem, &m.local.train, &m.context(1.0), state.force, &m.state.history.train, &mut scratch,
+        m.problem,
+        &m.local.train,
+        &m.context(1.0),
+        state.force,
+        &m.state.history.train,
+        &mut scratch,
     );
     let (_, s_slope) = take_up(m.problem, &m.local.takeup, state.actuator);
     let du_a = (1.0 + e_slope * border.stiffness) / s_slope;
@@ -63,7 +68,8 @@ impl Walk {
     fn step(&mut self, m: &mut March, target: Option<usize>) -> Result<(), FemError> {
         loop {
             let w = m.mean_opening(&m.state.u);
-            let control = Control::Arc { from: [m.state.actuator, w], tangent: self.tangent, length: self.length };
+            let control =
+                Control::Arc { from: [m.state.actuator, w], tangent: self.tangent, length: self.length };
             let mut fresh = m.state.clone();
             if let Some((u, grip, actuator, arc)) = &self.before {
                 let r = self.length / arc;
@@ -187,7 +193,10 @@ pub(crate) fn jump(m: &mut March, direction: f64, length: f64, dt: f64) -> Resul
             return land(m, before, farthest, first, kept_recent, released);
         }
         // The limit point was only a cut-off step away: the branch goes on without a jump.
-        if !turned && (m.state.actuator - before.actuator) * direction > 4.0 * length && m.system.factor.negative_pivots() == 0 {
+        if !turned
+            && (m.state.actuator - before.actuator) * direction > 4.0 * length
+            && m.system.factor.negative_pivots() == 0
+        {
             return Ok(());
         }
     }
@@ -199,7 +208,14 @@ pub(crate) fn jump(m: &mut March, direction: f64, length: f64, dt: f64) -> Resul
 }
 
 /// Stands at the limit displacement on the new branch and writes the jump.
-fn land(m: &mut March, before: State, limit: f64, first: usize, states: usize, mut released: f64) -> Result<(), FemError> {
+fn land(
+    m: &mut March,
+    before: State,
+    limit: f64,
+    first: usize,
+    states: usize,
+    mut released: f64,
+) -> Result<(), FemError> {
     let mut fresh = m.state.clone();
     let c = m.newton(m.context(0.0), Control::Actuator(limit), &mut fresh)?;
     let border = Border::of(m.system, m.problem.multiplicity)?;

@@ -161,9 +161,7 @@ impl Problem {
             path: self.path.as_ref().map_or_else(Vec::new, |p| {
                 p.params
                     .iter()
-                    .map(|points| {
-                        std::array::from_fn(|q| points[q].iter().map(|b| b.of(theta)).collect())
-                    })
+                    .map(|points| std::array::from_fn(|q| points[q].iter().map(|b| b.of(theta)).collect()))
                     .collect()
             }),
             train: self.train.iter().map(|l| pick(&l.params)).collect(),
@@ -212,10 +210,19 @@ impl Problem {
     pub fn check(&self) -> Result<(), FemError> {
         let setup = |ok: bool, text: &str| if ok { Ok(()) } else { Err(FemError::Setup(text.into())) };
         setup(self.supports.len() == 3 * self.body.nodes.len(), "supports do not match the nodes")?;
-        setup(self.bulk_params.len() == self.bulk.parameters().len(), "bulk parameters do not match the law")?;
+        setup(
+            self.bulk_params.len() == self.bulk.parameters().len(),
+            "bulk parameters do not match the law",
+        )?;
         let cohesive = self.body.cohesive.len();
-        setup(self.path.as_ref().map_or(0, |p| p.params.len()) == cohesive, "interface parameters do not match")?;
-        setup(self.path.as_ref().map_or(0, |p| p.position.len()) == cohesive, "interface positions do not match")?;
+        setup(
+            self.path.as_ref().map_or(0, |p| p.params.len()) == cohesive,
+            "interface parameters do not match",
+        )?;
+        setup(
+            self.path.as_ref().map_or(0, |p| p.position.len()) == cohesive,
+            "interface positions do not match",
+        )?;
         setup(self.takeup.iter().all(|l| l.law.history().is_empty()), "a take-up law has no memory")
     }
 }

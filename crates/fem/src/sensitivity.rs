@@ -89,7 +89,9 @@ impl<const W: usize> Chunk<W> {
         }
         let history = crate::state::History::virgin(&problem);
         let lift = |h: &[f64]| h.iter().map(|&x| Jet::constant(x)).collect::<Vec<Jet<W>>>();
-        let moves = |p: usize| problem.shape.iter().any(|f| f.param == p) || problem.mount.iter().any(|f| f.param == p);
+        let moves = |p: usize| {
+            problem.shape.iter().any(|f| f.param == p) || problem.mount.iter().any(|f| f.param == p)
+        };
         Self {
             bulk: lift(&history.bulk),
             path: lift(&history.path),
@@ -189,7 +191,13 @@ where
                 let old = &self.bulk[e * nh..(e + 1) * nh];
                 let mut new = old.to_vec();
                 let r = hex8::residual::<Jet<W>, Jet<W>>(
-                    &*self.problem.bulk, &stage.ctx, &self.local.bulk, &geo, &gather(u, h), old, &mut new,
+                    &*self.problem.bulk,
+                    &stage.ctx,
+                    &self.local.bulk,
+                    &geo,
+                    &gather(u, h),
+                    old,
+                    &mut new,
                 );
                 (r, new)
             })
@@ -217,7 +225,13 @@ where
                 let mut new = old.to_vec();
                 let u = crate::state::gather8(&stage.state.u, h);
                 let r = hex8::residual::<f64, Jet<W>>(
-                    &*self.problem.bulk, &stage.ctx, &self.local.bulk, &stage.system.geometry()[e], &u, old, &mut new,
+                    &*self.problem.bulk,
+                    &stage.ctx,
+                    &self.local.bulk,
+                    &stage.system.geometry()[e],
+                    &u,
+                    old,
+                    &mut new,
                 );
                 (r, new)
             })
@@ -245,11 +259,26 @@ where
             let lower = gather(u, &el.lower);
             let r: Vec<Jet<W>> = match &el.upper {
                 None => interface::mirrored_residual::<Jet<W>, Jet<W>>(
-                    &*path.law, &ctx, &self.local.path[e], &x, &lower.map(|v| v[1]), path.rule, old, new,
+                    &*path.law,
+                    &ctx,
+                    &self.local.path[e],
+                    &x,
+                    &lower.map(|v| v[1]),
+                    path.rule,
+                    old,
+                    new,
                 )
                 .to_vec(),
                 Some(upper) => interface::residual::<Jet<W>, Jet<W>>(
-                    &*path.law, &ctx, &self.local.path[e], &x, &lower, &gather(u, upper), path.rule, old, new,
+                    &*path.law,
+                    &ctx,
+                    &self.local.path[e],
+                    &x,
+                    &lower,
+                    &gather(u, upper),
+                    path.rule,
+                    old,
+                    new,
                 )
                 .as_flattened()
                 .to_vec(),
@@ -275,24 +304,40 @@ where
     }
 
     /// du_grip, du_actuator and dF per column, from the linearised train and control.
-    fn close_border(&self, stage: &Stage, border: &Border, solution: &[f64]) -> ([f64; W], [f64; W], [f64; W]) {
+    fn close_border(
+        &self,
+        stage: &Stage,
+        border: &Border,
+        solution: &[f64],
+    ) -> ([f64; W], [f64; W], [f64; W]) {
         let n = stage.system.unknowns;
         let m = self.problem.multiplicity;
         let force = Jet::<W>::constant(stage.state.force);
         let mut e_jet = Jet::<W>::constant(0.0);
         let (mut slope, mut at) = (0.0, 0);
-        for (link, (p, plain)) in self.problem.train.iter().zip(self.local.train.iter().zip(&self.plain.train)) {
+        for (link, (p, plain)) in
+            self.problem.train.iter().zip(self.local.train.iter().zip(&self.plain.train))
+        {
             let nh = link.law.history().len();
             let old = &self.train[at..at + nh];
             let mut new = old.to_vec();
             e_jet += Law::<Jet<W>, 1>::respond(&*link.law, &stage.ctx, &[force], p, old, &mut new).force[0];
             let plain_old: Vec<f64> = old.iter().map(|h| h.re).collect();
             let mut plain_new = plain_old.clone();
-            slope += constitutive::tangent_by_jets_1(&*link.law, &stage.ctx, &[force.re], plain, &plain_old, &mut plain_new).1[0][0];
+            slope += constitutive::tangent_by_jets_1(
+                &*link.law,
+                &stage.ctx,
+                &[force.re],
+                plain,
+                &plain_old,
+                &mut plain_new,
+            )
+            .1[0][0];
             at += nh;
         }
         let s_jet = self.problem.take_up_jets(Jet::constant(stage.state.actuator), &self.local.takeup);
-        let (_, s_slope) = crate::equilibrium::take_up(&self.problem, &self.plain.takeup, stage.state.actuator);
+        let (_, s_slope) =
+            crate::equilibrium::take_up(&self.problem, &self.plain.takeup, stage.state.actuator);
         let (mut d_grip, mut d_act, mut d_force) = ([0.0; W], [0.0; W], [0.0; W]);
         let opening = |x: &[f64]| -> f64 { stage.system.mean_opening.iter().map(|&(eq, w)| w * x[eq]).sum() };
         for c in 0..self.seeds.len() {
@@ -321,7 +366,14 @@ where
         for (link, p) in self.problem.train.iter().zip(&self.local.train) {
             let nh = link.law.history().len();
             let old = self.train[at..at + nh].to_vec();
-            Law::<Jet<W>, 1>::respond(&*link.law, &stage.ctx, &[force], p, &old, &mut self.train[at..at + nh]);
+            Law::<Jet<W>, 1>::respond(
+                &*link.law,
+                &stage.ctx,
+                &[force],
+                p,
+                &old,
+                &mut self.train[at..at + nh],
+            );
             at += nh;
         }
     }
@@ -405,7 +457,11 @@ where
             self.path = new;
         }
         if !self.bulk.is_empty() {
-            let new = if self.direct_history { std::mem::take(&mut self.pending) } else { self.bricks_total(stage, &u).1 };
+            let new = if self.direct_history {
+                std::mem::take(&mut self.pending)
+            } else {
+                self.bricks_total(stage, &u).1
+            };
             self.moved |= differs(&self.bulk, &new);
             self.bulk = new;
         }
@@ -418,7 +474,15 @@ where
             du[dof * count..(dof + 1) * count].copy_from_slice(&j.eps[..count]);
         }
         let take = |v: [f64; W]| v[..count].to_vec();
-        (du, StepDerivatives { force: take(d_force), grip: take(d_grip), actuator: take(d_act), extra: Vec::new() })
+        (
+            du,
+            StepDerivatives {
+                force: take(d_force),
+                grip: take(d_grip),
+                actuator: take(d_act),
+                extra: Vec::new(),
+            },
+        )
     }
 
     fn repeatable(&self) -> bool {
@@ -441,7 +505,10 @@ impl Problem {
 }
 
 /// Chunks of the standard width for a list of parameters.
-pub fn columns_for(problem: &Arc<Problem>, theta: &[f64], seeds: &[usize]) -> Vec<Chunk<{ constitutive::WIDTH }>> {
+pub fn columns_for(
+    problem: &Arc<Problem>,
+    theta: &[f64],
+    seeds: &[usize],
+) -> Vec<Chunk<{ constitutive::WIDTH }>> {
     seeds.chunks(constitutive::WIDTH).map(|c| Chunk::new(problem.clone(), theta, c)).collect()
 }
-

@@ -41,10 +41,9 @@ impl History {
         };
         Self {
             bulk: repeat(problem.bulk.history(), problem.body.hexes.len() * hex8::POINTS),
-            path: problem
-                .path
-                .as_ref()
-                .map_or_else(Vec::new, |p| repeat(p.law.history(), problem.body.cohesive.len() * interface::POINTS)),
+            path: problem.path.as_ref().map_or_else(Vec::new, |p| {
+                repeat(p.law.history(), problem.body.cohesive.len() * interface::POINTS)
+            }),
             train: problem.train.iter().flat_map(|l| l.law.history()).map(|h| h.initial).collect(),
         }
     }

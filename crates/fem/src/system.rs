@@ -72,8 +72,13 @@ impl System {
             }
         }
         let path_dofs: Vec<Vec<usize>> = body.cohesive.iter().map(path_dofs).collect();
-        let hex_dofs = |h: &[usize; 8]| -> [usize; hex8::DOFS] { std::array::from_fn(|i| 3 * h[i / 3] + i % 3) };
-        let (col_ptr, row_idx) = pattern(unknowns, &equation, body.hexes.iter().map(|h| hex_dofs(h).to_vec()).chain(path_dofs.iter().cloned()));
+        let hex_dofs =
+            |h: &[usize; 8]| -> [usize; hex8::DOFS] { std::array::from_fn(|i| 3 * h[i / 3] + i % 3) };
+        let (col_ptr, row_idx) = pattern(
+            unknowns,
+            &equation,
+            body.hexes.iter().map(|h| hex_dofs(h).to_vec()).chain(path_dofs.iter().cloned()),
+        );
         let locate = |i: usize, j: usize| -> u32 {
             let (ei, ej) = (equation[i], equation[j]);
             if ei == NONE || ej == NONE {
@@ -211,13 +216,25 @@ impl System {
         let geometry = &self.geometry;
         let one = |e: usize, out: &mut hex8::Tangent, new: &mut [f64]| {
             let nodes = gather8(u, &problem.body.hexes[e]);
-            hex8::tangent(e, &*problem.bulk, ctx, &local.bulk, &geometry[e], &nodes, &old.bulk[e * nh..(e + 1) * nh], new, out)
+            hex8::tangent(
+                e,
+                &*problem.bulk,
+                ctx,
+                &local.bulk,
+                &geometry[e],
+                &nodes,
+                &old.bulk[e * nh..(e + 1) * nh],
+                new,
+                out,
+            )
         };
         let faults: Vec<Result<(), ElementFault>> = if nh == 0 {
             self.elements
                 .par_chunks_mut(GRAIN)
                 .enumerate()
-                .map(|(c, outs)| outs.iter_mut().enumerate().try_for_each(|(k, out)| one(c * GRAIN + k, out, &mut [])))
+                .map(|(c, outs)| {
+                    outs.iter_mut().enumerate().try_for_each(|(k, out)| one(c * GRAIN + k, out, &mut []))
+                })
                 .collect()
         } else {
             self.elements
@@ -273,13 +290,25 @@ impl System {
             match &el.upper {
                 None => {
                     let uy = lower.map(|v| v[1]);
-                    let (r, k) = interface::mirrored_tangent(e, &*path.law, &ctx, &local.path[e], &x, &uy, path.rule, o, n)?;
+                    let (r, k) = interface::mirrored_tangent(
+                        e,
+                        &*path.law,
+                        &ctx,
+                        &local.path[e],
+                        &x,
+                        &uy,
+                        path.rule,
+                        o,
+                        n,
+                    )?;
                     self.scatter_path(e, &r, |i, j| k[i][j]);
                 }
                 Some(upper) => {
                     let up = gather4(u, upper);
-                    let all: [[f64; 3]; 8] = std::array::from_fn(|a| if a < 4 { lower[a] } else { up[a - 4] });
-                    let (r, k) = interface::tangent(e, &*path.law, &ctx, &local.path[e], &x, &all, path.rule, o, n)?;
+                    let all: [[f64; 3]; 8] =
+                        std::array::from_fn(|a| if a < 4 { lower[a] } else { up[a - 4] });
+                    let (r, k) =
+                        interface::tangent(e, &*path.law, &ctx, &local.path[e], &x, &all, path.rule, o, n)?;
                     self.scatter_path(e, &r, |i, j| 0.5 * (k[i][j] + k[j][i]));
                 }
             }
@@ -321,7 +350,11 @@ fn path_dofs(el: &crate::problem::CohesiveElement) -> Vec<usize> {
 }
 
 /// Lower-triangle pattern in compressed columns, held by sprs while it is built.
-fn pattern(n: usize, equation: &[usize], elements: impl Iterator<Item = Vec<usize>>) -> (Vec<usize>, Vec<usize>) {
+fn pattern(
+    n: usize,
+    equation: &[usize],
+    elements: impl Iterator<Item = Vec<usize>>,
+) -> (Vec<usize>, Vec<usize>) {
     let mut entries = sprs::TriMat::<u8>::new((n, n));
     for i in 0..n {
         entries.add_triplet(i, i, 1);
@@ -354,7 +387,8 @@ fn mean_opening(problem: &Problem, equation: &[usize]) -> Vec<(usize, f64)> {
     for el in &body.cohesive {
         let x = el.lower.map(|n| body.nodes[n]);
         let zero = [[0.0; 3]; 4];
-        let area: f64 = interface::openings(&x, &zero, &zero, interface::Integration::Gauss).iter().map(|o| o.1).sum();
+        let area: f64 =
+            interface::openings(&x, &zero, &zero, interface::Integration::Gauss).iter().map(|o| o.1).sum();
         total += area;
         for a in 0..4 {
             match &el.upper {

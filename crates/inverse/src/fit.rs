@@ -121,7 +121,9 @@ impl<P: Problem + ?Sized> Search<'_, P> {
     fn unit(&self) -> f64 {
         match self.options.objective {
             crate::Objective::Whitened => 1.0,
-            crate::Objective::PaperSum => self.data.blocks.iter().map(|b| b.noise.sd.powi(2)).fold(f64::INFINITY, f64::min),
+            crate::Objective::PaperSum => {
+                self.data.blocks.iter().map(|b| b.noise.sd.powi(2)).fold(f64::INFINITY, f64::min)
+            }
         }
     }
 

@@ -103,7 +103,15 @@ pub enum StopReason {
 impl StopReason {
     /// Whether the iterate may be taken for a local optimum.
     pub fn converged(&self) -> bool {
-        matches!(self, Self::Converged | Self::Stationary | Self::Exact | Self::Flat | Self::Insignificant | Self::NothingFree)
+        matches!(
+            self,
+            Self::Converged
+                | Self::Stationary
+                | Self::Exact
+                | Self::Flat
+                | Self::Insignificant
+                | Self::NothingFree
+        )
     }
 
     /// The reason as a sentence.

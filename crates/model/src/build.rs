@@ -100,7 +100,8 @@ impl Model {
     /// [`BuildError`] naming the test.
     pub fn new(case: Arc<Case>, catalogue: &Catalogue, how: Discretisation) -> Result<Self, BuildError> {
         let mut builder = Builder::new(&case, catalogue)?;
-        let half_height = how.neutral_halves || builder.active.iter().all(|a| !a.effect.card().breaks_half_height);
+        let half_height =
+            how.neutral_halves || builder.active.iter().all(|a| !a.effect.card().breaks_half_height);
         let tests = case
             .tests
             .iter()
@@ -190,16 +191,28 @@ impl Builder {
             let i = &case.interface;
             gc = parameters.len();
             for a in 0..i.areas {
-                parameters.push(parameter(format!("interface.area[{}].gc", a + 1), specs[cohesive::GC].clone(), &i.gc_of(a)));
+                parameters.push(parameter(
+                    format!("interface.area[{}].gc", a + 1),
+                    specs[cohesive::GC].clone(),
+                    &i.gc_of(a),
+                ));
             }
             sigma_c = parameters.len();
             for a in 0..i.areas {
                 let spec = specs[cohesive::SIGMA_C].clone();
-                parameters.push(parameter(format!("interface.area[{}].sigma_c", a + 1), spec, &i.sigma_c_of(a)));
+                parameters.push(parameter(
+                    format!("interface.area[{}].sigma_c", a + 1),
+                    spec,
+                    &i.sigma_c_of(a),
+                ));
             }
             rest = vec![parameters.len(), parameters.len() + 1];
             parameters.push(parameter("interface.lambda".into(), specs[cohesive::LAMBDA].clone(), &i.lambda));
-            parameters.push(parameter("interface.penalty".into(), specs[cohesive::PENALTY].clone(), &i.penalty));
+            parameters.push(parameter(
+                "interface.penalty".into(),
+                specs[cohesive::PENALTY].clone(),
+                &i.penalty,
+            ));
         }
         let g = &case.geometry;
         let mut builder = Self {
@@ -222,7 +235,8 @@ impl Builder {
     fn add_effects(&mut self, case: &Case, catalogue: &Catalogue) -> Result<(), BuildError> {
         let mut found = Vec::new();
         for config in &case.effects {
-            let effect = catalogue.get(&config.name).ok_or_else(|| BuildError::UnknownEffect(config.name.clone()))?;
+            let effect =
+                catalogue.get(&config.name).ok_or_else(|| BuildError::UnknownEffect(config.name.clone()))?;
             found.push((effect.clone(), config));
         }
         found.sort_by_key(|(e, _)| (e.card().site, e.card().rank, e.card().name));
@@ -230,7 +244,11 @@ impl Builder {
             let first = self.parameters.len();
             for spec in effect.parameters(&config.options) {
                 let value = config.parameters.get(spec.name.as_ref()).copied().unwrap_or_default();
-                self.parameters.push(parameter(format!("effects.{}.{}", config.name, spec.name), spec, &value));
+                self.parameters.push(parameter(
+                    format!("effects.{}.{}", config.name, spec.name),
+                    spec,
+                    &value,
+                ));
             }
             let params: Vec<usize> = (first..self.parameters.len()).collect();
             match effect.act(&config.options, &self.piece) {
@@ -249,13 +267,22 @@ impl Builder {
         Ok(())
     }
 
-    fn test(&mut self, case: &Case, test: &Test, index: usize, half_height: bool, how: Discretisation) -> Result<TestModel, BuildError> {
+    fn test(
+        &mut self,
+        case: &Case,
+        test: &Test,
+        index: usize,
+        half_height: bool,
+        how: Discretisation,
+    ) -> Result<TestModel, BuildError> {
         let strip = strip_of(case, test, half_height, how)
             .map_err(|source| BuildError::Mesh { test: test.name.clone(), source })?;
-        let mesh = mesh::strip(&strip).map_err(|source| BuildError::Mesh { test: test.name.clone(), source })?;
+        let mesh =
+            mesh::strip(&strip).map_err(|source| BuildError::Mesh { test: test.name.clone(), source })?;
         let body = Arc::new(Body::of(&mesh));
         let supports = supports(&mesh, test)?;
-        let multiplicity = if mesh.half_height { 2.0 } else { 1.0 } * if mesh.half_thickness { 2.0 } else { 1.0 };
+        let multiplicity =
+            if mesh.half_height { 2.0 } else { 1.0 } * if mesh.half_thickness { 2.0 } else { 1.0 };
         let path = (test.kind == TestKind::Tearing).then(|| self.path(case, &mesh, &body));
         let mut template = Problem {
             body,
@@ -281,7 +308,16 @@ impl Builder {
             }
         }
         template.check().map_err(|source| BuildError::Fem { test: test.name.clone(), source })?;
-        Ok(TestModel { test: test.clone(), mesh, index, template, shapes, mounts, sensors, pool: Mutex::new(Vec::new()) })
+        Ok(TestModel {
+            test: test.clone(),
+            mesh,
+            index,
+            template,
+            shapes,
+            mounts,
+            sensors,
+            pool: Mutex::new(Vec::new()),
+        })
     }
 
     /// Law and parameters of every point of the tear path.
@@ -335,10 +371,16 @@ fn parameter(path: String, mut spec: ParamSpec, value: &Value) -> Parameter {
     Parameter { path, value: start, free, spec }
 }
 
-fn strip_of(case: &Case, test: &Test, half_height: bool, how: Discretisation) -> Result<Strip, mesh::MeshError> {
+fn strip_of(
+    case: &Case,
+    test: &Test,
+    half_height: bool,
+    how: Discretisation,
+) -> Result<Strip, mesh::MeshError> {
     let g = &case.geometry;
     let tear = test.kind == TestKind::Tearing;
-    let homogeneous = test.ends == Ends::Sliding && !tear && g.outline.is_none() && g.thickness_profile.is_none();
+    let homogeneous =
+        test.ends == Ends::Sliding && !tear && g.outline.is_none() && g.thickness_profile.is_none();
     let alone = case.tests.iter().all(|t| t.kind == TestKind::Uniaxial && t.ends == Ends::Sliding);
     let sizing = match case.mesh.divisions {
         // A homogeneous state needs one element; only a history that later tests inherit needs more.
@@ -375,7 +417,8 @@ fn supports(mesh: &Mesh, test: &Test) -> Result<Vec<Option<Prescribed>>, BuildEr
     let mut s: Vec<Option<Prescribed>> = vec![None; 3 * mesh.nodes.len()];
     let share = if mesh.half_height { 0.5 } else { 1.0 };
     let nodes = |name: &str| -> Result<&[usize], BuildError> {
-        mesh.set(name).ok_or_else(|| BuildError::Case(format!("test {}: the mesh has no `{name}`", test.name)))
+        mesh.set(name)
+            .ok_or_else(|| BuildError::Case(format!("test {}: the mesh has no `{name}`", test.name)))
     };
     let mut hold = |n: usize, c: usize, grip: f64| s[3 * n + c] = Some(Prescribed { grip, mount: 0.0 });
     if mesh.half_thickness {
@@ -418,10 +461,10 @@ fn supports(mesh: &Mesh, test: &Test) -> Result<Vec<Option<Prescribed>>, BuildEr
                     hold(n, 0, 0.0);
                 }
             }
-            if !mesh.half_thickness {
-                if let Some(&n) = nodes("mouth_top")?.first() {
-                    hold(n, 2, 0.0);
-                }
+            if !mesh.half_thickness
+                && let Some(&n) = nodes("mouth_top")?.first()
+            {
+                hold(n, 2, 0.0);
             }
         }
     }
@@ -431,7 +474,11 @@ fn supports(mesh: &Mesh, test: &Test) -> Result<Vec<Option<Prescribed>>, BuildEr
 /// Sliding ends leave the strip free to move sideways: one edge is kept straight.
 fn hold_rigid_motion(mesh: &Mesh, hold: &mut impl FnMut(usize, usize, f64), left: &[usize]) {
     let homogeneous = mesh.interfaces.is_empty();
-    let ends: Vec<usize> = if homogeneous { left.to_vec() } else { left.first().into_iter().chain(left.last()).copied().collect() };
+    let ends: Vec<usize> = if homogeneous {
+        left.to_vec()
+    } else {
+        left.first().into_iter().chain(left.last()).copied().collect()
+    };
     for n in ends {
         hold(n, 0, 0.0);
     }
@@ -529,7 +576,8 @@ impl TestModel {
                 }
                 Ok(s)
             }
-            None => System::new(problem).map_err(|source| BuildError::Fem { test: self.test.name.clone(), source }),
+            None => System::new(problem)
+                .map_err(|source| BuildError::Fem { test: self.test.name.clone(), source }),
         }
     }
 

@@ -106,7 +106,13 @@ pub fn corners_of_record(record: &Record) -> Vec<Corner> {
     let class: Vec<i8> = (0..n - 1)
         .map(|i| {
             let v = (u[i + 1] - u[i]) / (t[i + 1] - t[i]);
-            if v.abs() < 0.01 * typical { 0 } else if v > 0.0 { 1 } else { -1 }
+            if v.abs() < 0.01 * typical {
+                0
+            } else if v > 0.0 {
+                1
+            } else {
+                -1
+            }
         })
         .collect();
     let mut runs: Vec<(i8, usize, usize)> = Vec::new();
@@ -134,7 +140,8 @@ fn absorb_small(runs: &mut Vec<(i8, usize, usize)>, u: &[f64], t: &[f64], small:
     let mut i = 0;
     while i < runs.len() && runs.len() > 1 {
         let (c, a, b) = runs[i];
-        let tiny = if c == 0 { b - a < 3 && t[b] - t[a] < 0.01 * duration } else { (u[b] - u[a]).abs() < small };
+        let tiny =
+            if c == 0 { b - a < 3 && t[b] - t[a] < 0.01 * duration } else { (u[b] - u[a]).abs() < small };
         let merge_back = i > 0 && (i + 1 >= runs.len() || runs[i - 1].0 != 0);
         if tiny && merge_back {
             runs[i - 1].2 = b;
@@ -161,7 +168,7 @@ fn rate_changes(t: &[f64], u: &[f64], a: usize, b: usize) -> Vec<usize> {
     while i + 3 <= b {
         let (before, after) = (rate(start.max(i.saturating_sub(8)), i), rate(i, (i + 3).min(b)));
         let next = rate(i, i + 1);
-        let jump = |r: f64| r > 2.0 || r < 0.5;
+        let jump = |r: f64| !r.is_nan() && !(0.5..=2.0).contains(&r);
         if jump(after / before) && jump(next / before) {
             out.push(i);
             start = i;
@@ -455,15 +462,19 @@ mod tests {
 
     #[test]
     fn noise_of_the_motion_makes_no_corners() {
-        let points: Vec<(f64, f64)> =
-            (0..200).map(|i| (f64::from(i), 0.1 * f64::from(i) + 0.02 * f64::from(i * 7919 % 13 - 6) / 6.0)).collect();
+        let points: Vec<(f64, f64)> = (0..200)
+            .map(|i| (f64::from(i), 0.1 * f64::from(i) + 0.02 * f64::from(i * 7919 % 13 - 6) / 6.0))
+            .collect();
         assert_eq!(corners_of_record(&record(&points)).len(), 2);
     }
 
     #[test]
     fn unload_and_reload_visit_the_same_states() {
         let c = |time: f64, displacement: f64| Corner { time, displacement };
-        let p = plan(&[c(0.0, 0.0), c(20.0, 1.03), c(35.0, 0.31), c(60.0, 1.6)], Stepping { steps: 20, holds: false });
+        let p = plan(
+            &[c(0.0, 0.0), c(20.0, 1.03), c(35.0, 0.31), c(60.0, 1.6)],
+            Stepping { steps: 20, holds: false },
+        );
         let of = |i: usize| -> Vec<u64> {
             let t = p.pieces[i].targets;
             let mut v: Vec<u64> = p.targets[t[0]..=t[1]].iter().map(|t| t.actuator.to_bits()).collect();

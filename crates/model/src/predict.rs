@@ -223,10 +223,10 @@ impl Model {
             }
         }
         let mut targets = plan.targets.clone();
-        if before.is_some() {
-            if let Some(first) = targets.first_mut() {
-                *first = Target { dt: test.test.rest_s.unwrap_or(LONG_REST), rest: true, ..*first };
-            }
+        if before.is_some()
+            && let Some(first) = targets.first_mut()
+        {
+            *first = Target { dt: test.test.rest_s.unwrap_or(LONG_REST), rest: true, ..*first };
         }
         let camera = self.camera_at(t, request.theta);
         let mut columns: Vec<&mut (dyn Columns + 'static)> =
@@ -244,10 +244,10 @@ impl Model {
             request.cancelled,
         );
         test.give_back(system);
-        let state = run.last.clone().unwrap_or_else(|| State {
-            history: History::virgin(&problem),
-            ..State::virgin(&problem)
-        });
+        let state = run
+            .last
+            .clone()
+            .unwrap_or_else(|| State { history: History::virgin(&problem), ..State::virgin(&problem) });
         Ok((run, state, chunks))
     }
 
@@ -388,7 +388,10 @@ impl Model {
                     let zero = first.map_or(0.0, |f| f.grip);
                     let by_zero = first.map(|f| &f.derivatives.grip);
                     let d = (0..k)
-                        .map(|c| r.derivatives.grip.get(c).unwrap_or(&0.0) - by_zero.and_then(|z| z.get(c)).unwrap_or(&0.0))
+                        .map(|c| {
+                            r.derivatives.grip.get(c).unwrap_or(&0.0)
+                                - by_zero.and_then(|z| z.get(c)).unwrap_or(&0.0)
+                        })
                         .collect();
                     (r.grip - zero, d)
                 }
@@ -410,7 +413,8 @@ impl Model {
     /// Tear front with the part of its derivative that comes from the threshold δc.
     fn front(&self, run: &TestRun, theta: &[f64], r: &fem::StepRecord) -> (f64, Vec<f64>) {
         use camera::output::{FRONT_AREA, FRONT_BY_THRESHOLD, TEAR_FRONT};
-        let mut by = r.derivatives.extra.get(TEAR_FRONT).cloned().unwrap_or_else(|| vec![0.0; run.columns.len()]);
+        let mut by =
+            r.derivatives.extra.get(TEAR_FRONT).cloned().unwrap_or_else(|| vec![0.0; run.columns.len()]);
         if self.tests[run.test].test.tear_front_opening.is_none() {
             let area = r.extra[FRONT_AREA] as usize;
             let (_, slopes) = self.threshold(area, theta);
@@ -444,7 +448,9 @@ fn pick(theta: &[f64], ids: &[usize]) -> Vec<f64> {
 }
 
 fn missing(run: &Run) -> FemError {
-    run.failure.clone().unwrap_or_else(|| FemError::Setup("the run does not reach every point of the record".into()))
+    run.failure
+        .clone()
+        .unwrap_or_else(|| FemError::Setup("the run does not reach every point of the record".into()))
 }
 
 /// Motion of the actuator at a row, by differences.

@@ -30,6 +30,8 @@ pub fn body(a: &IdentifyAnswer, curves: &[Curve]) -> Result<String, ReportError>
 fn verdict(a: &IdentifyAnswer) -> String {
     let (class, word) = if a.explained {
         ("good", "The model explains the records.")
+    } else if a.stages.iter().any(|s| !s.converged) {
+        ("bad", "The search did not settle, and what it found does not explain the records.")
     } else {
         ("bad", "The model does not explain the records: an effect is missing, or the noise is understated.")
     };

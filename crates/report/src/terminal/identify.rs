@@ -69,6 +69,8 @@ fn verdict(a: &IdentifyAnswer, style: Style) -> String {
     );
     let word = if a.explained {
         style.good("the model explains the records")
+    } else if a.stages.iter().any(|s| !s.converged) {
+        style.bad("the search did not settle, and the records are not explained")
     } else {
         style.bad("the model does not explain the records")
     };
