@@ -6,16 +6,60 @@ fn main() {
         let case = input::read_case(std::path::Path::new(&path), &cat).unwrap_or_else(|e| panic!("{e}"));
         let t = std::time::Instant::now();
         let verbose = std::env::var("V").is_ok();
-        let progress = |s: &str| if verbose { eprintln!("{:6.2}s {s}", t.elapsed().as_secs_f64()) };
+        let progress = |s: &str| {
+            if verbose {
+                eprintln!("{:6.2}s {s}", t.elapsed().as_secs_f64())
+            }
+        };
         let policy = diagnose::Policy::default();
-        let mut l = match analysis::FeLadder::new(Arc::new(case), &cat, policy.clone(), &progress, &|| false) { Ok(l) => l, Err(e) => { println!("{path}: {e}"); continue } };
+        let mut l = match analysis::FeLadder::new(Arc::new(case), &cat, policy.clone(), &progress, &|| false)
+        {
+            Ok(l) => l,
+            Err(e) => {
+                println!("{path}: {e}");
+                continue;
+            }
+        };
         println!("== {path} base {:.2}s", t.elapsed().as_secs_f64());
         match diagnose::discover(&mut l, &policy, &mut |s| progress(s)) {
             Err(e) => println!("   error {e}"),
             Ok(d) => {
-                println!("   {:?} found {:?} groups {:?}  {:.1}s runs {}", d.verdict, d.found, d.groups, t.elapsed().as_secs_f64(), l.runs);
-                for r in &d.ladder { println!("   {:?} p {} rms {:.5} chi2 {:.2} tot {:.2} bic {:.0} held {:?} struct {:.1e}", r.effects, r.parameters, r.rms, r.reduced_chi2, r.reduced_chi2_total(), r.bic, r.held_out_chi2, r.structure_p); }
-                for f in d.screen.findings.iter().take(30) { println!("      {:24} fall {:8.1} p {:.1e} q {:.1e} vis {:.3} snr {:.1} {} {:?} {:?} alike {:?}", f.effect, f.fall, f.p_value, f.q_value, f.visibility, f.snr, if f.significant {"SIG"} else {""}, f.amplitudes, f.shape, f.look_alikes); }
+                println!(
+                    "   {:?} found {:?} groups {:?}  {:.1}s runs {}",
+                    d.verdict,
+                    d.found,
+                    d.groups,
+                    t.elapsed().as_secs_f64(),
+                    l.runs
+                );
+                for r in &d.ladder {
+                    println!(
+                        "   {:?} p {} rms {:.5} chi2 {:.2} tot {:.2} bic {:.0} held {:?} struct {:.1e}",
+                        r.effects,
+                        r.parameters,
+                        r.rms,
+                        r.reduced_chi2,
+                        r.reduced_chi2_total(),
+                        r.bic,
+                        r.held_out_chi2,
+                        r.structure_p
+                    );
+                }
+                for f in d.screen.findings.iter().take(30) {
+                    println!(
+                        "      {:24} fall {:8.1} p {:.1e} q {:.1e} vis {:.3} snr {:.1} {} {:?} {:?} alike {:?}",
+                        f.effect,
+                        f.fall,
+                        f.p_value,
+                        f.q_value,
+                        f.visibility,
+                        f.snr,
+                        if f.significant { "SIG" } else { "" },
+                        f.amplitudes,
+                        f.shape,
+                        f.look_alikes
+                    );
+                }
             }
         }
     }

@@ -130,7 +130,8 @@ fn screen_rows(screen: &Screen, policy: &Policy, catalogue: &Catalogue) -> Vec<S
 fn estimate(f: &Finding, catalogue: &Catalogue) -> BTreeMap<String, f64> {
     let specs = catalogue.get(&f.effect).map(|e| e.parameters(&model::Options::new())).unwrap_or_default();
     let mut out = BTreeMap::new();
-    for (name, value) in f.amplitudes.iter().map(|(n, a)| (n, *a)).chain(f.shape.iter().map(|(n, s)| (n, *s))) {
+    for (name, value) in f.amplitudes.iter().map(|(n, a)| (n, *a)).chain(f.shape.iter().map(|(n, s)| (n, *s)))
+    {
         let spec = specs.iter().find(|s| s.key() == *name);
         let is_amplitude = f.amplitudes.iter().any(|a| a.0 == *name);
         let neutral = spec.filter(|_| is_amplitude).and_then(|s| s.neutral).unwrap_or(0.0);
@@ -202,7 +203,9 @@ pub fn diagnose(
     };
     let mut words = vec![diagnose::words::place(&compare::atlas_of(&ladder))];
     words.extend(called.iter().take(3).map(|f| diagnose::words::finding(f, &policy)));
-    words.push("A screen is a linear prediction: `fct discover` refits the candidates before it names one.".into());
+    words.push(
+        "A screen is a linear prediction: `fct discover` refits the candidates before it names one.".into(),
+    );
     Ok(DiscoverAnswer {
         schema: 1,
         specimen: case.name.clone(),

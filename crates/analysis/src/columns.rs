@@ -9,8 +9,8 @@ use fem::{Run, State, Target, march};
 use input::{Case, EffectConfig, TestKind, Value};
 use inverse::Prediction;
 use model::{
-    BuildError, Catalogue, Channel, Discretisation, Effect, LONG_REST, Model, RunOptions, Scales, Screening, Sided,
-    TestRun,
+    BuildError, Catalogue, Channel, Discretisation, Effect, LONG_REST, Model, RunOptions, Scales, Screening,
+    Sided, TestRun,
 };
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
@@ -75,8 +75,9 @@ pub fn scales(model: &Model, theta: &[f64]) -> Scales {
         let duration = r.time[r.time.len() - 1] - r.time[0];
         s.duration = s.duration.max(duration);
         s.sampling = duration / r.time.len() as f64;
-        let mut speeds: Vec<f64> =
-            (1..r.time.len()).map(|i| ((r.displacement[i] - r.displacement[i - 1]) / (r.time[i] - r.time[i - 1])).abs()).collect();
+        let mut speeds: Vec<f64> = (1..r.time.len())
+            .map(|i| ((r.displacement[i] - r.displacement[i - 1]) / (r.time[i] - r.time[i - 1])).abs())
+            .collect();
         speeds.sort_by(f64::total_cmp);
         speed = speeds[speeds.len() / 2].max(1e-9);
     }
@@ -111,27 +112,16 @@ pub fn config_of(effect: &Arc<dyn Effect>, values: &[f64]) -> EffectConfig {
     let specs = effect.parameters(&model::Options::new());
     EffectConfig {
         name: effect.card().name.to_owned(),
-        parameters: specs
-            .iter()
-            .zip(values)
-            .map(|(s, &v)| (s.name.to_string(), Value::new(v)))
-            .collect(),
+        parameters: specs.iter().zip(values).map(|(s, &v)| (s.name.to_string(), Value::new(v))).collect(),
         specs,
-        options: effect
-            .options()
-            .into_iter()
-            .filter_map(|o| o.default.map(|d| (o.name, d)))
-            .collect(),
+        options: effect.options().into_iter().filter_map(|o| o.default.map(|d| (o.name, d))).collect(),
         location: input::Location::default(),
     }
 }
 
 /// θ of `to`, taking values by path from `from`.
 pub fn transfer(from: &Model, theta: &[f64], to: &Model) -> Vec<f64> {
-    to.parameters
-        .iter()
-        .map(|p| from.find(&p.path).map_or(p.value, |i| theta[i]))
-        .collect()
+    to.parameters.iter().map(|p| from.find(&p.path).map_or(p.value, |i| theta[i])).collect()
 }
 
 /// What the screen needs to know about the fitted base.
@@ -183,7 +173,11 @@ impl Base<'_> {
             .zip(shapes)
             .map(|(t, shapes)| Candidate {
                 effect: t.effect.card().name.to_owned(),
-                amplitudes: vec![Amplitude { name: t.names[0].clone(), side: t.side, plausible: t.plausible }],
+                amplitudes: vec![Amplitude {
+                    name: t.names[0].clone(),
+                    side: t.side,
+                    plausible: t.plausible,
+                }],
                 shapes,
                 refit_only: t.refit,
             })
@@ -196,10 +190,14 @@ impl Base<'_> {
         let (mut tried, mut variants): (Vec<Tried>, Vec<Variant>) = (Vec::new(), Vec::new());
         for effect in self.catalogue.iter() {
             let card = effect.card();
-            let excluded = |a: &str| card.excludes.contains(&a)
-                || self.catalogue.get(a).is_some_and(|e| e.card().excludes.contains(&card.name));
+            let excluded = |a: &str| {
+                card.excludes.contains(&a)
+                    || self.catalogue.get(a).is_some_and(|e| e.card().excludes.contains(&card.name))
+            };
             let tear = self.model.tests.iter().any(|t| t.test.kind == TestKind::Tearing);
-            if present.iter().any(|p| p == card.name || excluded(p)) || (card.site == model::Site::Interface && !tear) {
+            if present.iter().any(|p| p == card.name || excluded(p))
+                || (card.site == model::Site::Interface && !tear)
+            {
                 continue;
             }
             let specs = effect.parameters(&model::Options::new());
@@ -278,12 +276,26 @@ impl Base<'_> {
             columns.extend(base.iter_mut().map(|c| c as &mut (dyn Columns + 'static)));
             columns.extend(extra.iter_mut().map(|c| c as &mut (dyn Columns + 'static)));
             let run = march(
-                &problem, self.theta, &mut system, Some(initial), &targets, &mut columns, &camera, options.march, None,
+                &problem,
+                self.theta,
+                &mut system,
+                Some(initial),
+                &targets,
+                &mut columns,
+                &camera,
+                options.march,
+                None,
                 self.cancelled,
             );
             test.give_back(system);
             let state = run.last.clone().unwrap_or_else(|| State::virgin(&problem));
-            out[t] = Some(TestRun { test: t, plan, run, columns: self.free.to_vec(), history: state.history.bulk.clone() });
+            out[t] = Some(TestRun {
+                test: t,
+                plan,
+                run,
+                columns: self.free.to_vec(),
+                history: state.history.bulk.clone(),
+            });
             before = Some((state, base, extra));
         }
         Ok(out)
@@ -291,18 +303,37 @@ impl Base<'_> {
 
     fn gather_base(&self, runs: &[Option<TestRun>]) -> Result<Prediction, AnalysisError> {
         let k = self.free.len();
-        let own: Vec<Option<TestRun>> = runs.iter().map(|r| r.as_ref().map(|r| restricted(r, 0..k, self.free))).collect();
-        let problem = crate::FeProblem::new(self.model, self.theta.to_vec(), self.free.to_vec(), self.slots, self.options, self.cancelled);
+        let own: Vec<Option<TestRun>> =
+            runs.iter().map(|r| r.as_ref().map(|r| restricted(r, 0..k, self.free))).collect();
+        let problem = crate::FeProblem::new(
+            self.model,
+            self.theta.to_vec(),
+            self.free.to_vec(),
+            self.slots,
+            self.options,
+            self.cancelled,
+        );
         Ok(problem.gather(&own, self.theta, true)?)
     }
 
-    fn gather_variant(&self, runs: &[Option<TestRun>], t: &Tried, v: &Variant, column: usize) -> Result<DVector<f64>, AnalysisError> {
-        let own: Vec<Option<TestRun>> =
-            runs.iter().map(|r| r.as_ref().map(|r| restricted(r, column..column + 1, &[v.amplitude]))).collect();
+    fn gather_variant(
+        &self,
+        runs: &[Option<TestRun>],
+        t: &Tried,
+        v: &Variant,
+        column: usize,
+    ) -> Result<DVector<f64>, AnalysisError> {
+        let own: Vec<Option<TestRun>> = runs
+            .iter()
+            .map(|r| r.as_ref().map(|r| restricted(r, column..column + 1, &[v.amplitude])))
+            .collect();
         let mut all = Vec::new();
         for slot in self.slots {
             let Some(run) = &own[slot.test] else { continue };
-            let series = t.model.series(run, &v.theta, slot.channel).map_err(|e| AnalysisError::Case(e.to_string()))?;
+            let series = t
+                .model
+                .series(run, &v.theta, slot.channel)
+                .map_err(|e| AnalysisError::Case(e.to_string()))?;
             all.extend(series.derivatives);
         }
         let _ = Channel::Force;
@@ -324,7 +355,14 @@ impl Base<'_> {
             }
             theta
         };
-        let problem = crate::FeProblem::new(&model, theta.clone(), Vec::new(), self.slots, self.options, self.cancelled);
+        let problem = crate::FeProblem::new(
+            &model,
+            theta.clone(),
+            Vec::new(),
+            self.slots,
+            self.options,
+            self.cancelled,
+        );
         let runs = problem.run(&theta, &[])?;
         let Ok(p) = problem.gather(&runs, &theta, false) else { return Ok(None) };
         let column = (p.values - &base.values) / (values[0] - t.neutral);

@@ -10,7 +10,9 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum RecordError {
     /// No noise level was given, and none can be estimated.
-    #[error("test {test}, {channel}: the noise cannot be estimated from the record ({source}); give `force_sd_N` (or the channel's sd) in the specimen file")]
+    #[error(
+        "test {test}, {channel}: the noise cannot be estimated from the record ({source}); give `force_sd_N` (or the channel's sd) in the specimen file"
+    )]
     Noise {
         /// Test.
         test: String,
@@ -105,7 +107,14 @@ impl Measured {
 }
 
 /// Noise of one channel: as the file says, else estimated from the record itself.
-fn noise_of(model: &Model, t: usize, channel: Channel, rows: &[usize], values: &[f64], cautious: bool) -> Result<NoiseModel, RecordError> {
+fn noise_of(
+    model: &Model,
+    t: usize,
+    channel: Channel,
+    rows: &[usize],
+    values: &[f64],
+    cautious: bool,
+) -> Result<NoiseModel, RecordError> {
     let test = &model.tests[t].test;
     let given = match channel {
         Channel::Force => test.force_sd,
@@ -121,13 +130,11 @@ fn noise_of(model: &Model, t: usize, channel: Channel, rows: &[usize], values: &
     let corners = corners_of_record(record);
     let breaks: Vec<usize> =
         corners.iter().filter_map(|c| time.iter().position(|t| (t - c.time).abs() < 1e-9)).collect();
-    let estimate = diagnose::noise::estimate(&time, values, &breaks).map_err(|source| RecordError::Noise {
-        test: test.name.clone(),
-        channel: channel.word(),
-        source,
-    })?;
+    let estimate = diagnose::noise::estimate(&time, values, &breaks)
+        .map_err(|source| RecordError::Noise { test: test.name.clone(), channel: channel.word(), source })?;
     // A record without any noise (computed, or rounded) still has the rounding of its digits.
     let peak = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    let (sd, ar1) = if cautious { (estimate.cautious_sd, estimate.cautious_ar1) } else { (estimate.sd, estimate.ar1) };
+    let (sd, ar1) =
+        if cautious { (estimate.cautious_sd, estimate.cautious_ar1) } else { (estimate.sd, estimate.ar1) };
     Ok(NoiseModel { sd: sd.max(1e-6 * peak).max(1e-12), ar1, nuisance: Vec::new() })
 }

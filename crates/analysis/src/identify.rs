@@ -165,7 +165,11 @@ pub(crate) fn stages(model: &Model, mode: Mode) -> Vec<(Stage, Vec<usize>, Vec<b
 ///
 /// # Errors
 /// [`AnalysisError`]; a search that stops early is no error, its reason is in the answer.
-pub fn identify(case: Arc<Case>, catalogue: &Catalogue, control: &Control) -> Result<Identified, AnalysisError> {
+pub fn identify(
+    case: Arc<Case>,
+    catalogue: &Catalogue,
+    control: &Control,
+) -> Result<Identified, AnalysisError> {
     let fine = Model::new(case.clone(), catalogue, Discretisation::default())?;
     let coarse = coarse_model(&case, catalogue)?;
     let options = run_options(&case);
@@ -241,9 +245,7 @@ pub(crate) struct Work<'a> {
 
 /// Free parameters as the optimiser sees them, at θ.
 pub fn frees(model: &Model, theta: &[f64], free: &[usize]) -> Vec<Free> {
-    free.iter()
-        .map(|&i| Free { start: theta[i], ..Free::of(&model.parameters[i]) })
-        .collect()
+    free.iter().map(|&i| Free { start: theta[i], ..Free::of(&model.parameters[i]) }).collect()
 }
 
 impl<'a> Work<'a> {
@@ -263,13 +265,26 @@ impl<'a> Work<'a> {
         }
     }
 
-    pub fn stage(&mut self, model: &Model, stage: Stage, free: &[usize], tests: &[bool], coarse: bool) -> Result<f64, AnalysisError> {
+    pub fn stage(
+        &mut self,
+        model: &Model,
+        stage: Stage,
+        free: &[usize],
+        tests: &[bool],
+        coarse: bool,
+    ) -> Result<f64, AnalysisError> {
         let measured = Measured::of(model, tests)?;
         let mut list = frees(model, &self.theta, free);
         crate::priors::add(&mut list, self.case, self.literature);
         let paths: Vec<String> = list.iter().map(|f| f.path.clone()).collect();
-        let problem =
-            FeProblem::new(model, self.theta.clone(), free.to_vec(), &measured.slots, self.options, self.control.cancelled);
+        let problem = FeProblem::new(
+            model,
+            self.theta.clone(),
+            free.to_vec(),
+            &measured.slots,
+            self.options,
+            self.control.cancelled,
+        );
         let objective = if stage == Stage::Joint { Objective::Whitened } else { Objective::PaperSum };
         let fit_options = FitOptions {
             objective,
@@ -304,12 +319,25 @@ impl<'a> Work<'a> {
     }
 
     /// All data at the end: quality, numerical error, intervals.
-    fn finish(mut self, fine: Model, coarse: Option<Model>, measured: Measured, list: &[(Stage, Vec<usize>, Vec<bool>)]) -> Result<Identified, AnalysisError> {
+    fn finish(
+        mut self,
+        fine: Model,
+        coarse: Option<Model>,
+        measured: Measured,
+        list: &[(Stage, Vec<usize>, Vec<bool>)],
+    ) -> Result<Identified, AnalysisError> {
         let free = fine.free();
         let mut list_free = frees(&fine, &self.theta, &free);
         crate::priors::add(&mut list_free, self.case, self.literature);
         let prediction = {
-            let problem = FeProblem::new(&fine, self.theta.clone(), free.clone(), &measured.slots, self.options, self.control.cancelled);
+            let problem = FeProblem::new(
+                &fine,
+                self.theta.clone(),
+                free.clone(),
+                &measured.slots,
+                self.options,
+                self.control.cancelled,
+            );
             let values: Vec<f64> = free.iter().map(|&i| self.theta[i]).collect();
             self.runs += 1;
             problem.predict(&values, true)?
@@ -320,7 +348,14 @@ impl<'a> Work<'a> {
                 let mut options = self.options;
                 options.tearing_steps = options.tearing_steps / 2 + 1;
                 options.uniaxial_steps = options.uniaxial_steps / 2 + 1;
-                let problem = FeProblem::new(coarse, self.theta.clone(), Vec::new(), &measured.slots, options, self.control.cancelled);
+                let problem = FeProblem::new(
+                    coarse,
+                    self.theta.clone(),
+                    Vec::new(),
+                    &measured.slots,
+                    options,
+                    self.control.cancelled,
+                );
                 self.runs += 1;
                 match problem.predict(&[], false) {
                     Ok(p) => &prediction.values - p.values,
@@ -414,7 +449,14 @@ impl Part {
     }
 }
 
-fn part(model: &Model, measured: &Measured, whole: &Fit, free: &[usize], columns: &[usize], kind: TestKind) -> Part {
+fn part(
+    model: &Model,
+    measured: &Measured,
+    whole: &Fit,
+    free: &[usize],
+    columns: &[usize],
+    kind: TestKind,
+) -> Part {
     let mut rows = Vec::new();
     let mut blocks = Vec::new();
     for (block, slot) in measured.data.blocks.iter().zip(&measured.slots) {

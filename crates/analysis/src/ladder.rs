@@ -109,15 +109,29 @@ impl<'a> FeLadder<'a> {
         let model = Model::new(self.case.clone(), self.catalogue, self.how)?;
         let mut theta = model.theta();
         let say = self.progress;
-        let shown = |p: &crate::Progress| say(&format!("start: {} step {} f {:?} {:.4?}", p.stage.word(), p.iterate.iteration, p.iterate.f, p.iterate.theta));
+        let shown = |p: &crate::Progress| {
+            say(&format!(
+                "start: {} step {} f {:?} {:.4?}",
+                p.stage.word(),
+                p.iterate.iteration,
+                p.iterate.f,
+                p.iterate.theta
+            ))
+        };
         let quiet = crate::Control { progress: &shown, cancelled: self.cancelled };
         if let Some(start) = start::for_case(&self.case, self.catalogue, self.options, &quiet)? {
             start::spread(&model, &start, &mut theta);
         }
         let first = self.fit_model(model, theta, 1e-2)?;
         let same = transfer(&first.model, &first.theta, fine);
-        let fine_problem =
-            FeProblem::new(fine, same, Vec::new(), &self.measured.slots, run_options(&self.case), self.cancelled);
+        let fine_problem = FeProblem::new(
+            fine,
+            same,
+            Vec::new(),
+            &self.measured.slots,
+            run_options(&self.case),
+            self.cancelled,
+        );
         self.runs += 1;
         (self.progress)("numerical error: one run on the file's mesh");
         if let Ok(p) = fine_problem.predict(&[], false) {
@@ -137,8 +151,14 @@ impl<'a> FeLadder<'a> {
         let literature = self.case.identify.priors.literature.unwrap_or(true);
         priors::add(&mut list, &self.case, literature);
         let fit = {
-            let mut problem =
-                FeProblem::new(&model, theta.clone(), free.clone(), &self.measured.slots, self.options, self.cancelled);
+            let mut problem = FeProblem::new(
+                &model,
+                theta.clone(),
+                free.clone(),
+                &self.measured.slots,
+                self.options,
+                self.cancelled,
+            );
             problem.options.march.budget = crate::identify::TRIAL_BUDGET;
             problem.correction = self.correction.clone();
             let options = FitOptions {
@@ -152,7 +172,11 @@ impl<'a> FeLadder<'a> {
             let names = model.effects().join(" + ");
             let fit = inverse::fit(&problem, &self.measured.data, &list, &options, &mut |i| {
                 if let Some(f) = i.f {
-                    progress(&format!("fit [{names}] step {} χ² {f:.1}{}", i.iteration, if i.accepted { "" } else { " (rejected)" }));
+                    progress(&format!(
+                        "fit [{names}] step {} χ² {f:.1}{}",
+                        i.iteration,
+                        if i.accepted { "" } else { " (rejected)" }
+                    ));
                 }
                 ControlFlow::Continue(())
             })?;
@@ -183,7 +207,8 @@ impl<'a> FeLadder<'a> {
                 force.extend(block.range.clone().map(|i| misfit[i]));
             }
         }
-        let white = Whitened::new(&self.measured.data, &f.frees, &f.fit.theta, &f.fit.prediction, Noise::Total);
+        let white =
+            Whitened::new(&self.measured.data, &f.frees, &f.fit.theta, &f.fit.prediction, Noise::Total);
         let rows = white.rows.len();
         let structure = diagnose::atlas::structure_p(white.r.rows(0, rows).into_owned().as_slice());
         let rung = Rung::new(effects, &f.quality, inverse::rms(force), structure);
@@ -209,7 +234,8 @@ impl<'a> FeLadder<'a> {
         let rt = DVector::from_iterator(kept.len(), kept.iter().map(|&r| white.r[r]));
         let normal = jt.tr_mul(&jt);
         let ridge = 1e-9 * normal.diagonal().max();
-        let step = (normal + DMatrix::identity(open.len(), open.len()) * ridge).cholesky()?.solve(&jt.tr_mul(&rt));
+        let step =
+            (normal + DMatrix::identity(open.len(), open.len()) * ridge).cholesky()?.solve(&jt.tr_mul(&rt));
         let (mut chi2, mut square) = (0.0, 0.0);
         for &r in &out {
             let left = white.r[r] - j.row(r).dot(&step.transpose());
@@ -240,7 +266,12 @@ impl<'a> FeLadder<'a> {
     }
 
     /// Configurations of effects, started from the screen's findings.
-    fn configs(&self, effects: &[String], hints: &BTreeMap<String, Finding>, base: &Fitted) -> Vec<EffectConfig> {
+    fn configs(
+        &self,
+        effects: &[String],
+        hints: &BTreeMap<String, Finding>,
+        base: &Fitted,
+    ) -> Vec<EffectConfig> {
         let scales = scales(&base.model, &base.theta);
         effects
             .iter()
@@ -271,7 +302,8 @@ fn start_from(h: &Finding, specs: &[params::ParamSpec], values: &mut [f64]) {
         // A linear estimate may overshoot: never start beyond three plausible amplitudes, nor at
         // nothing.
         let size = a.abs().clamp(0.05 * plausible, 3.0 * plausible);
-        values[0] = (neutral + size.copysign(if *a == 0.0 { 1.0 } else { *a })).clamp(specs[0].lower, specs[0].upper);
+        values[0] =
+            (neutral + size.copysign(if *a == 0.0 { 1.0 } else { *a })).clamp(specs[0].lower, specs[0].upper);
     }
 }
 
@@ -281,7 +313,9 @@ impl diagnose::Ladder for FeLadder<'_> {
     fn fit(&mut self, effects: &[String], hints: &diagnose::Hints) -> Result<Rung, AnalysisError> {
         let key = Self::key(effects);
         if !self.rungs.contains_key(&key) {
-            let Some(base) = self.nearest(&key) else { return Err(AnalysisError::Case("no base fit".into())) };
+            let Some(base) = self.nearest(&key) else {
+                return Err(AnalysisError::Case("no base fit".into()));
+            };
             let configs = self.configs(effects, hints, base);
             let case = case_with(&self.case, &configs);
             let model = Model::new(Arc::new(case), self.catalogue, self.how)?;
@@ -293,14 +327,19 @@ impl diagnose::Ladder for FeLadder<'_> {
         let rung = self.rung(effects, fitted);
         (self.progress)(&format!(
             "[{}] reduced χ² {:.2} (with numerical error {:.2}), BIC {:.1}",
-            effects.join(" + "), rung.reduced_chi2, rung.reduced_chi2_total(), rung.bic
+            effects.join(" + "),
+            rung.reduced_chi2,
+            rung.reduced_chi2_total(),
+            rung.bic
         ));
         Ok(rung)
     }
 
     fn screen(&mut self, rung: &Rung) -> Result<Screen, AnalysisError> {
         let key = Self::key(&rung.effects);
-        let Some(f) = self.rungs.get(&key) else { return Err(AnalysisError::Case("screen before fit".into())) };
+        let Some(f) = self.rungs.get(&key) else {
+            return Err(AnalysisError::Case("screen before fit".into()));
+        };
         let base = Base {
             model: &f.model,
             theta: &f.theta,
@@ -326,7 +365,9 @@ impl diagnose::Ladder for FeLadder<'_> {
 
     fn compatible(&self, effects: &[String]) -> bool {
         effects.iter().all(|a| {
-            self.catalogue.get(a).is_some_and(|e| !effects.iter().any(|b| e.card().excludes.contains(&b.as_str())))
+            self.catalogue
+                .get(a)
+                .is_some_and(|e| !effects.iter().any(|b| e.card().excludes.contains(&b.as_str())))
         })
     }
 
@@ -355,4 +396,3 @@ impl FeLadder<'_> {
         &self.measured.data
     }
 }
-

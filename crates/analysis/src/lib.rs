@@ -12,14 +12,14 @@ mod problem;
 mod simulate;
 mod start;
 
+pub use answer::{DiscoverAnswer, LadderRow, NextTest, ScreenRow, diagnose, discover};
+pub use columns::{Base, Screened, scales};
+pub use compare::{CompareAnswer, compare};
 pub use data::{Measured, RecordError, Slot};
 pub use identify::{
     AnalysisError, Control, HistoryEntry, Identified, Progress, Stage, frees, identify, run_options,
 };
-pub use answer::{DiscoverAnswer, LadderRow, NextTest, ScreenRow, diagnose, discover};
-pub use compare::{CompareAnswer, compare};
-pub use columns::{Base, Screened, scales};
 pub use ladder::{FeLadder, Fitted};
-pub use start::start_at;
 pub use problem::{Cancelled, FeProblem};
 pub use simulate::{SimulateControl, Simulated, SimulatedTest, replay, simulate};
+pub use start::start_at;

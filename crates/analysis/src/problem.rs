@@ -81,7 +81,8 @@ impl<'a> FeProblem<'a> {
         options.march.keep_states = true;
         let warm = self.warm.lock().map_or_else(|w| w.into_inner().clone(), |w| w.clone());
         self.runs.fetch_add(1, Ordering::Relaxed);
-        let request = Request { theta, seeds, options, wanted: &wanted, warm: &warm, cancelled: self.cancelled };
+        let request =
+            Request { theta, seeds, options, wanted: &wanted, warm: &warm, cancelled: self.cancelled };
         let runs = self.model.run(&request).map_err(|e| PredictError::NotComputable(e.to_string()))?;
         if (self.cancelled)() {
             return Err(PredictError::Interrupted);
@@ -100,7 +101,12 @@ impl<'a> FeProblem<'a> {
     ///
     /// # Errors
     /// Why a run stopped before the last record point.
-    pub fn gather(&self, runs: &[Option<TestRun>], theta: &[f64], jacobian: bool) -> Result<Prediction, PredictError> {
+    pub fn gather(
+        &self,
+        runs: &[Option<TestRun>],
+        theta: &[f64],
+        jacobian: bool,
+    ) -> Result<Prediction, PredictError> {
         let n: usize = self.slots.iter().map(|s| s.rows.len()).sum();
         let k = if jacobian { runs.iter().flatten().next().map_or(0, |r| r.columns.len()) } else { 0 };
         let mut values = DVector::zeros(n);
@@ -111,7 +117,8 @@ impl<'a> FeProblem<'a> {
             let not = |why: String| PredictError::NotComputable(why);
             let run = runs[slot.test].as_ref().ok_or_else(|| not("a test was not run".into()))?;
             let name = &self.model.tests[slot.test].test.name;
-            let series = self.model.series(run, theta, slot.channel).map_err(|e| not(format!("test {name}: {e}")))?;
+            let series =
+                self.model.series(run, theta, slot.channel).map_err(|e| not(format!("test {name}: {e}")))?;
             for (row, value) in series.values.iter().enumerate() {
                 values[at + row] = *value;
                 valid[at + row] = series.smooth[row];

@@ -34,20 +34,20 @@ pub(crate) fn one_area(
     let Ok(model) = Model::new(Arc::new(simple.clone()), catalogue, how) else { return Ok(None) };
     let file = model.theta();
     let theta_of_work = std::mem::replace(&mut work.theta, file.clone());
-    // The bulk first, as the stages of the whole search begin.
-    if list.first().is_some_and(|s| s.0 == Stage::Bulk) {
-        let bulk: Vec<usize> = model.free().into_iter().filter(|&i| model.site_of(i) == model::Site::Bulk).collect();
-        work.stage(&model, Stage::Bulk, &bulk, &list[0].2, true)?;
-    }
-    let (Some(g), Some(s)) = (model.find("interface.area[1].gc"), model.find("interface.area[1].sigma_c")) else {
+    let bulk: Vec<usize> =
+        model.free().into_iter().filter(|&i| model.site_of(i) == model::Site::Bulk).collect();
+    let bulk_tests = list.first().filter(|s| s.0 == Stage::Bulk).map(|s| s.2.clone());
+    let (Some(g), Some(s)) = (model.find("interface.area[1].gc"), model.find("interface.area[1].sigma_c"))
+    else {
         return Ok(None);
     };
-    let tests: Vec<bool> = model.tests.iter().map(|t| t.test.kind == TestKind::Tearing && t.test.record.is_some()).collect();
+    let tests: Vec<bool> =
+        model.tests.iter().map(|t| t.test.kind == TestKind::Tearing && t.test.record.is_some()).collect();
     let free: Vec<usize> = [g, s].into_iter().filter(|&i| model.parameters[i].free).collect();
-    let after_bulk = work.theta.clone();
     let mut best: Option<(f64, Vec<f64>)> = None;
-    for start in [Some(from_record(case)), Some((file[g], file[s]))].into_iter().flatten() {
-        work.theta.clone_from(&after_bulk);
+    for theta in bulk_starts(&model, &file, &bulk, bulk_tests.as_deref(), work)? {
+        work.theta = theta;
+        let start = from_record(case);
         for (i, v) in [(g, start.0), (s, start.1)] {
             if model.parameters[i].free {
                 work.theta[i] = v.clamp(model.parameters[i].spec.lower, model.parameters[i].spec.upper);
@@ -58,7 +58,6 @@ pub(crate) fn one_area(
             if best.as_ref().is_none_or(|b| f < b.0) {
                 best = Some((f, work.theta.clone()));
             }
-            break;
         }
     }
     let start = best.map(|(_, theta)| Start { theta, model });
@@ -68,6 +67,51 @@ pub(crate) fn one_area(
     };
     work.theta = theta_of_work;
     Ok(start)
+}
+
+/// Fibre angles (degrees) that the bulk search starts from, beside the file's own.
+const ANGLES: [f64; 3] = [38.0, 57.0, 68.0];
+
+/// Optima of the bulk stage from several fibre angles, the equally good ones of them: one uniaxial
+/// curve is often explained by fibres near the load and by fibres across it alike, and only the
+/// tear tells which. Without a bulk stage, the file's values.
+fn bulk_starts(
+    model: &Model,
+    file: &[f64],
+    bulk: &[usize],
+    tests: Option<&[bool]>,
+    work: &mut Work,
+) -> Result<Vec<Vec<f64>>, AnalysisError> {
+    let Some(tests) = tests else { return Ok(vec![file.to_vec()]) };
+    let mut starts = vec![file.to_vec()];
+    let gamma = model.find("bulk.gamma").filter(|g| bulk.contains(g));
+    if let (Some(i), None) = (gamma, work.case.bulk.gamma.value) {
+        starts.extend(ANGLES.map(|a| {
+            let mut theta = file.to_vec();
+            theta[i] = a.to_radians();
+            theta
+        }));
+    }
+    let mut found: Vec<(f64, Vec<f64>)> = Vec::new();
+    for theta in starts {
+        work.theta = theta;
+        match work.stage(model, Stage::Bulk, bulk, tests, true) {
+            Ok(f) => found.push((f, work.theta.clone())),
+            Err(AnalysisError::Fit(inverse::FitError::Start(inverse::PredictError::NotComputable(_)))) => {}
+            Err(e) => return Err(e),
+        }
+    }
+    let least = found.iter().map(|f| f.0).fold(f64::INFINITY, f64::min);
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Within a tenth in f they explain the curve alike; the same optimum twice is one.
+    let mut kept: Vec<Vec<f64>> = Vec::new();
+    for (f, theta) in found {
+        let same = |k: &Vec<f64>| gamma.is_some_and(|g| (k[g] - theta[g]).abs() < 0.02);
+        if f <= 1.1 * least && !kept.iter().any(same) {
+            kept.push(theta);
+        }
+    }
+    Ok(kept)
 }
 
 /// Two areas, four, …: each level starts from the one before, so that the strengths find their
@@ -83,7 +127,8 @@ fn refine(
     let how = Discretisation { coarsen: LEVEL_COARSEN, ..Discretisation::default() };
     let mut m = 2;
     while m < areas {
-        let level = Case { interface: input::InterfaceConfig { areas: m, ..case.interface.clone() }, ..case.clone() };
+        let level =
+            Case { interface: input::InterfaceConfig { areas: m, ..case.interface.clone() }, ..case.clone() };
         let Ok(model) = Model::new(Arc::new(level), catalogue, how) else { return Ok(start) };
         work.theta = model.theta();
         spread(&model, &start, &mut work.theta);
@@ -129,7 +174,8 @@ pub(crate) fn spread(fine: &Model, start: &Start, theta: &mut [f64]) {
             Some((area, what)) => {
                 let (here, all) = (area.parse::<usize>().unwrap_or(1), fine.areas());
                 let middle = (here as f64 - 0.5) / all as f64;
-                let from = ((middle * start.model.areas() as f64).floor() as usize + 1).min(start.model.areas());
+                let from =
+                    ((middle * start.model.areas() as f64).floor() as usize + 1).min(start.model.areas());
                 format!("interface.area[{from}].{what}")
             }
             None => p.path.clone(),
@@ -146,7 +192,8 @@ fn from_record(case: &Case) -> (f64, f64) {
     let g = &case.geometry;
     let area = (g.width - g.cut) * g.thickness;
     let mut out = (0.0f64, 0.0f64);
-    for record in case.tests.iter().filter(|t| t.kind == TestKind::Tearing).filter_map(|t| t.record.as_ref()) {
+    for record in case.tests.iter().filter(|t| t.kind == TestKind::Tearing).filter_map(|t| t.record.as_ref())
+    {
         let (u, f) = (&record.displacement, &record.force);
         // Work on the envelope: only where the displacement is the largest so far.
         let (mut work, mut most, mut force) = (0.0, u[0], f[0]);
@@ -163,7 +210,6 @@ fn from_record(case: &Case) -> (f64, f64) {
     }
     out
 }
-
 
 /// Writes identified values into a case as the start of the next search; bounds and freedom stay.
 pub fn start_at<'a>(case: &mut Case, values: impl Iterator<Item = (&'a str, f64)>) {

@@ -215,10 +215,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (name, (a, b)) in [("without", base), ("neutral", neutral), ("C = 0.5", creeping)] {
         println!("  {name:<8} {a:.6} {b:.6}");
     }
-    let visco = forces("[effects.viscoelastic]\ng = 0.0\ntau_s = 10.0\n")?;
-    eprintln!("DBG own {:e} {:e} visco {:e} {:e}", base.0-neutral.0, base.1-neutral.1, base.0-visco.0, base.1-visco.1);
-    assert_eq!(base.0.to_bits(), neutral.0.to_bits());
-    assert_eq!(base.1.to_bits(), neutral.1.to_bits());
+    // The law is neutral to the bit. A run with it is so to the tolerance of the solver: a link in the
+    // train adds the force to Newton's unknowns, and other iterates end at the same equilibrium.
+    assert!((base.0 - neutral.0).abs() < 1e-9 * base.0 && (base.1 - neutral.1).abs() < 1e-9 * base.1);
     assert!(creeping.1 < creeping.0 && creeping.1 < base.1);
     Ok(())
 }

@@ -68,7 +68,8 @@ fn the_bent_valley_of_rosenbrock_is_followed_to_its_end() {
         Free::new("x", (-5.0, 5.0), Transform::Identity, -1.2),
         Free::new("y", (-5.0, 5.0), Transform::Identity, 1.0),
     ];
-    let end = quiet(&toy, &d, &free, &FitOptions { max_iterations: 60, ..Default::default() });
+    let end =
+        quiet(&toy, &d, &free, &FitOptions { max_iterations: 60, insignificant: 0.0, ..Default::default() });
     assert!((end.theta[0] - 1.0).abs() < 1e-6 && (end.theta[1] - 1.0).abs() < 1e-6, "{end:?}");
 }
 
@@ -135,7 +136,10 @@ fn stop_reasons_are_told_apart() {
     assert_eq!(quiet(&toy, &d, &free, &options).stop, StopReason::Converged);
     let one = FitOptions { max_iterations: 1, ..options.clone() };
     assert_eq!(quiet(&toy, &d, &free, &one).stop, StopReason::MaxIterations);
-    assert_eq!(quiet(&toy, &data(&exact, NoiseModel::white(0.05)), &free, &options).stop, StopReason::Exact);
+    let d_exact = data(&exact, NoiseModel::white(0.05));
+    let to_the_end = FitOptions { insignificant: 0.0, ..options.clone() };
+    assert_eq!(quiet(&toy, &d_exact, &free, &to_the_end).stop, StopReason::Exact);
+    assert_eq!(quiet(&toy, &d_exact, &free, &options).stop, StopReason::Insignificant);
     assert_eq!(
         quiet(&Toy(40, |i, _: &[f64]| (i as f64, vec![])), &d, &[], &options).stop,
         StopReason::NothingFree

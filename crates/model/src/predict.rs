@@ -346,7 +346,8 @@ impl Model {
         let (mut value, mut by, smooth) = at(delayed(late))?;
         if late_by.iter().any(|d| *d != 0.0) {
             let h = 0.05 * (record.time[record.time.len() - 1] - start) / record.time.len() as f64;
-            let slope = (at(delayed(late - h))?.0 - at(delayed(late + h))?.0) / (2.0 * h);
+            // From the past: a cell can only be late.
+            let slope = (value - at(delayed(late + h))?.0) / h;
             for (b, d) in by.iter_mut().zip(&late_by) {
                 *b -= slope * d;
             }

@@ -1,0 +1,41 @@
+# Shortcuts for https://just.systems; every recipe is a cargo command that also works pasted.
+
+# This list.
+default:
+    @just --list
+
+# All tests but the slow ones, as in the README.
+test:
+    cargo test --workspace
+
+# What must hold before a change goes in: format, lints, docs, tests.
+ci:
+    ./.ci/run
+
+# The slow checks of docs/verification.md, with their figures.
+verification:
+    cargo test --release -p fem -- --ignored --nocapture
+
+# Times of the hot loops: law points, assembly, factorisation, a torn strip. Not on a busy machine.
+bench:
+    cargo bench -p hgo --bench point
+    cargo bench -p cohesive --bench point
+    cargo bench -p fem --bench forward
+
+# The search for the missing effect on the practice records beside this repository.
+practice:
+    cargo run --release -p analysis --example disc -- ../shared/practice/*/config.toml
+
+# The same on the public measurements beside this repository (docs/real-data.md).
+real:
+    cargo run --release -p analysis --example disc -- ../shared/real/*/config.toml
+
+# Licence of every crate that is linked into fct, and crates that come in two versions.
+audit:
+    cargo tree --locked -p fct-cli -e normal --prefix none -f '{l}  {p}' | sort -u
+    cargo tree --locked -p fct-cli -e normal --duplicates
+
+# Writes docs/catalogue.md from the cards of the effects.
+catalogue:
+    cargo run -p effects --example page > docs/catalogue.md.new
+    mv docs/catalogue.md.new docs/catalogue.md
