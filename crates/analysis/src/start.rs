@@ -54,10 +54,10 @@ pub(crate) fn one_area(
             }
         }
         // A start from which the tear cannot be computed is no start.
-        if let Ok(f) = work.stage(&model, Stage::Interface, &free, &tests, true) {
-            if best.as_ref().is_none_or(|b| f < b.0) {
-                best = Some((f, work.theta.clone()));
-            }
+        if let Ok(f) = work.stage(&model, Stage::Interface, &free, &tests, true)
+            && best.as_ref().is_none_or(|b| f < b.0)
+        {
+            best = Some((f, work.theta.clone()));
         }
     }
     let start = best.map(|(_, theta)| Start { theta, model });
