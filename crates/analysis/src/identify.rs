@@ -192,7 +192,10 @@ pub fn identify(
         work.stopped.clear();
     }
     work.held = None;
-    for (stage, free, tests) in &list {
+    // A joint search that was brought near on the coarse mesh needs no stages on the fine one.
+    let near = coarse.is_some() && case.identify.coarse_first;
+    let joint = list.iter().any(|s| s.0 == Stage::Joint);
+    for (stage, free, tests) in list.iter().filter(|s| !(near && joint) || s.0 == Stage::Joint) {
         work.stage(&fine, *stage, free, tests, false)?;
     }
     work.finish(fine, coarse, measured, &list)
@@ -290,7 +293,11 @@ impl<'a> Work<'a> {
             objective,
             // The coarse mesh only brings the search near: its own error is larger than the rest.
             tolerance: if coarse { 3e-3 } else { self.case.identify.tolerance },
-            max_iterations: if coarse { 15 } else { self.case.identify.max_iterations },
+            max_iterations: match (coarse, stage) {
+                (false, _) => self.case.identify.max_iterations,
+                (true, Stage::Joint) => 30,
+                (true, _) => 15,
+            },
             // Strengths of neighbouring areas trade against each other: a bold first step makes the
             // tear jump, and a jump tells the search nothing.
             initial_damping: if stage == Stage::Bulk { 1e-3 } else { 3e-2 },
