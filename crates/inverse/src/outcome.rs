@@ -121,7 +121,7 @@ impl StopReason {
             Self::Stationary => "No direction within the bounds lowers f any further.",
             Self::Exact => "The model reproduces the data to rounding.",
             Self::Insignificant => {
-                "Three steps in a row changed χ² by less than the insignificant: no noise could tell their ends apart (a sloppy valley)."
+                "Three steps in a row changed χ² by less than any noise could tell apart (a sloppy valley)."
             }
             Self::Flat => {
                 "f changes by less than the tolerance from step to step along a direction that the data hardly fix."
