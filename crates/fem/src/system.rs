@@ -5,7 +5,7 @@
 
 use crate::error::{ElementFault, FemError};
 use crate::factor::Factor;
-use crate::hex8::{self, packed};
+use crate::hex8;
 use crate::interface;
 use crate::problem::{LocalParams, Problem};
 use crate::state::{History, gather4, gather8};
@@ -94,10 +94,8 @@ impl System {
             .map(|h| {
                 let dofs = hex_dofs(h);
                 let mut map = [SKIP; hex8::PACKED];
-                for i in 0..hex8::DOFS {
-                    for j in 0..=i {
-                        map[packed(i, j)] = locate(dofs[i], dofs[j]);
-                    }
+                for (at, (i, j)) in map.iter_mut().zip(lower_triangle()) {
+                    *at = locate(dofs[i], dofs[j]);
                 }
                 map
             })
@@ -180,16 +178,19 @@ impl System {
         (self.force_scale, self.stiffness_scale) = (0.0, 0.0);
         for (e, h) in problem.body.hexes.iter().enumerate() {
             let el = &self.elements[e];
-            for (k, &at) in self.hex_map[e].iter().enumerate() {
-                if at != SKIP {
-                    self.values[at as usize] += el.stiffness[k];
+            for (i, row) in el.rows.iter().enumerate() {
+                let map = &self.hex_map[e][i * (i + 1) / 2..][..=i];
+                for (j, &at) in map.iter().enumerate() {
+                    if at != SKIP {
+                        self.values[at as usize] += row[j % 3][j / 3];
+                    }
                 }
             }
             for i in 0..hex8::DOFS {
                 let dof = 3 * h[i / 3] + i % 3;
                 let r = el.residual[i];
                 self.force_scale = self.force_scale.max(r.abs());
-                self.stiffness_scale = self.stiffness_scale.max(el.stiffness[packed(i, i)]);
+                self.stiffness_scale = self.stiffness_scale.max(el.entry(i, i));
                 match self.equation[dof] {
                     NONE => self.grip_force += self.grip_share[dof] * r,
                     eq => self.residual[eq] += r,
@@ -262,7 +263,7 @@ impl System {
                 if share == 0.0 {
                     continue;
                 }
-                let k = el.stiffness[packed(i.max(j), i.min(j))] * share;
+                let k = el.entry(i, j) * share;
                 match self.equation[di] {
                     NONE => self.grip_stiffness += self.grip_share[di] * k,
                     eq => self.grip_column[eq] += k,
@@ -340,6 +341,11 @@ impl System {
     pub fn imbalance(&self) -> f64 {
         self.residual.iter().fold(0.0f64, |m, r| if r.is_nan() { f64::INFINITY } else { m.max(r.abs()) })
     }
+}
+
+/// Entries of the lower triangle of a brick's tangent, row by row.
+fn lower_triangle() -> impl Iterator<Item = (usize, usize)> {
+    (0..hex8::DOFS).flat_map(|i| (0..=i).map(move |j| (i, j)))
 }
 
 fn path_dofs(el: &crate::problem::CohesiveElement) -> Vec<usize> {

@@ -69,7 +69,7 @@ fn brick_tangent_is_the_derivative_of_the_residual() {
                 assert!((hand.residual[i] - r[i]).abs() < 1e-12 * force, "residual {i}");
                 for j in 0..24 {
                     asymmetry = asymmetry.max((k[i][j] - k[j][i]).abs() / scale);
-                    let packed = hand.stiffness[hex8::packed(i.max(j), i.min(j))];
+                    let packed = hand.entry(i, j);
                     by_jets = by_jets.max((packed - k[i][j]).abs() / scale);
                 }
             }
@@ -273,7 +273,7 @@ fn displacement_element(problem: &Problem, theta: &[f64]) -> f64 {
             for (r, s) in (0..24).flat_map(|r| (0..24).map(move |s| (r, s))) {
                 let mut sum = 0.0;
                 for (j, l) in (0..3).flat_map(|j| (0..3).map(move |l| (j, l))) {
-                    sum += g[r / 3][j] * a[3 * (r % 3) + j][3 * (s % 3) + l] * g[s / 3][l];
+                    sum += g[j][r / 3] * a[3 * (r % 3) + j][3 * (s % 3) + l] * g[l][s / 3];
                 }
                 k[(3 * h[r / 3] + r % 3, 3 * h[s / 3] + s % 3)] += geo.volumes[q] * sum;
             }
@@ -499,7 +499,7 @@ fn solve_manufactured(n: usize, law: Hgo, params: &[f64; 7], isochoric: bool, di
             for i in 0..3 {
                 l2 += geo.volumes[q] * (at(&|m, i| u[3 * m + i], i) - want[i]).powi(2);
                 for j in 0..3 {
-                    let slope: f64 = (0..8).map(|a| u[3 * h[a] + i] * geo.gradients[q][a][j]).sum();
+                    let slope: f64 = (0..8).map(|a| u[3 * h[a] + i] * geo.gradients[q][j][a]).sum();
                     h1 += geo.volumes[q] * (slope - gradient[3 * i + j]).powi(2);
                 }
             }
