@@ -29,6 +29,10 @@ pub enum RecordError {
     Empty,
 }
 
+/// Share of the difference to a mesh twice as coarse that the given mesh may still be off: Roache's
+/// grid convergence index (1994, doi:10.1115/1.2910291), second order with its safety factor of 1.25.
+pub const REMAINING: f64 = 1.25 / 3.0;
+
 /// A block's place in the case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slot {
@@ -95,9 +99,12 @@ impl Measured {
     }
 
     /// The same with the model's numerical error: one column per block, with an unknown factor.
-    pub fn with_numerical_error(mut self, error: &DVector<f64>) -> Self {
+    ///
+    /// `difference`: what the given mesh says more than one twice as coarse. What the given mesh
+    /// itself still lacks is [`REMAINING`] of that.
+    pub fn with_numerical_error(mut self, difference: &DVector<f64>) -> Self {
         for block in &mut self.data.blocks {
-            let column = error.rows(block.range.start, block.range.len()).into_owned();
+            let column = REMAINING * difference.rows(block.range.start, block.range.len());
             if column.norm() > 0.0 {
                 block.noise.nuisance = vec![column];
             }

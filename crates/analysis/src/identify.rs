@@ -228,6 +228,11 @@ fn coarse_model(case: &Arc<Case>, catalogue: &Catalogue) -> Result<Option<Model>
     }
 }
 
+/// The coarse mesh only brings the search near: a fall of half a percent is not worth a run, nor is a
+/// fifth trial of a step.
+const COARSE_TOLERANCE: f64 = 5e-3;
+const COARSE_TRIALS: usize = 4;
+
 /// Newton iterations a trial run may take: about five times what a smooth tear needs.
 pub(crate) const TRIAL_BUDGET: usize = 2500;
 
@@ -292,11 +297,12 @@ impl<'a> Work<'a> {
         let fit_options = FitOptions {
             objective,
             // The coarse mesh only brings the search near: its own error is larger than the rest.
-            tolerance: if coarse { 3e-3 } else { self.case.identify.tolerance },
+            tolerance: if coarse { COARSE_TOLERANCE } else { self.case.identify.tolerance },
+            max_trials: if coarse { COARSE_TRIALS } else { FitOptions::default().max_trials },
             max_iterations: match (coarse, stage) {
                 (false, _) => self.case.identify.max_iterations,
                 (true, Stage::Joint) => 30,
-                (true, _) => 15,
+                (true, _) => 10,
             },
             // Strengths of neighbouring areas trade against each other: a bold first step makes the
             // tear jump, and a jump tells the search nothing.

@@ -1,8 +1,8 @@
 //! The finite-element model as a ladder: fits with any set of effects, and screens at each rung.
 //!
-//! Fits run on a mesh coarser than the file's, corrected by what the file's mesh said more at the
-//! base fit (defect correction); the same difference is the numerical error that every χ², test
-//! and interval carries.
+//! Fits run on a mesh coarser than the file's, corrected by what the file's mesh says more at the
+//! fit (defect correction, repeated until it stands); the same difference tells the numerical error
+//! that every χ², test and interval carries.
 
 use crate::columns::{Base, case_with, config_of, scales, transfer};
 use crate::data::Measured;
@@ -20,6 +20,24 @@ use std::sync::Arc;
 
 /// How much coarser than the file's mesh the search works.
 const COARSEN: f64 = 2.0;
+
+/// Relative fall of χ² that is worth another step of the search.
+const TOLERANCE: f64 = 3e-3;
+
+/// Trials of one step before the search is content.
+const TRIALS: usize = 5;
+
+/// Reduced χ² beyond which a model is far from the record.
+const FAR: f64 = 3.0;
+
+/// Rounds of fit and correction at most.
+const ROUNDS: usize = 3;
+
+/// A correction that moves by less than this (rms, in noise sd) stands.
+const SETTLED: f64 = 0.15;
+
+/// A rung is worth its own correction when its χ² is within this factor of the best so far.
+const PROMISING: f64 = 1.5;
 
 /// Steps and tolerance of the search: the numerical error that every test carries includes them.
 fn search_options(case: &Case) -> RunOptions {
@@ -43,18 +61,20 @@ pub struct Fitted {
     pub fit: Fit,
     /// χ² and kin.
     pub quality: Quality,
+    /// What the file's mesh says more than the search mesh, at this fit.
+    pub correction: DVector<f64>,
 }
 
 /// The ladder of one case.
 pub struct FeLadder<'a> {
     case: Arc<Case>,
+    fine_case: Arc<Case>,
     catalogue: &'a Catalogue,
     how: Discretisation,
     options: RunOptions,
     cancelled: Cancelled<'a>,
     /// Data with noise and numerical error.
     pub measured: Measured,
-    correction: DVector<f64>,
     /// Every rung that was fitted, by its sorted effects.
     pub rungs: BTreeMap<Vec<String>, Fitted>,
     /// Candidates of the latest screen, with raw columns.
@@ -88,24 +108,24 @@ impl<'a> FeLadder<'a> {
         let measured = Measured::cautious(&fine, &wanted)?;
         let mut ladder = Self {
             case: Arc::new(coarse),
+            fine_case: case.clone(),
             catalogue,
             how,
             options: search_options(&case),
             cancelled,
             measured,
-            correction: DVector::zeros(0),
             rungs: BTreeMap::new(),
             candidates: Vec::new(),
             runs: 0,
             policy,
             progress,
         };
-        ladder.base(&fine)?;
+        ladder.base()?;
         Ok(ladder)
     }
 
     /// The base fit: start, coarse fit, the finer mesh's correction, fit again.
-    fn base(&mut self, fine: &Model) -> Result<(), AnalysisError> {
+    fn base(&mut self) -> Result<(), AnalysisError> {
         let model = Model::new(self.case.clone(), self.catalogue, self.how)?;
         let mut theta = model.theta();
         let say = self.progress;
@@ -122,30 +142,79 @@ impl<'a> FeLadder<'a> {
         if let Some(start) = start::for_case(&self.case, self.catalogue, self.options, &quiet)? {
             start::spread(&model, &start, &mut theta);
         }
-        let first = self.fit_model(model, theta, 1e-2)?;
-        let same = transfer(&first.model, &first.theta, fine);
-        let fine_problem = FeProblem::new(
-            fine,
-            same,
-            Vec::new(),
-            &self.measured.slots,
-            run_options(&self.case),
-            self.cancelled,
-        );
-        self.runs += 1;
-        (self.progress)("numerical error: one run on the file's mesh");
-        if let Ok(p) = fine_problem.predict(&[], false) {
-            self.correction = &p.values - &first.fit.prediction.values;
-            self.measured = self.measured.clone().with_numerical_error(&self.correction.clone());
+        let none = DVector::zeros(self.measured.data.points());
+        let mut fitted = self.fit_model(model, theta, 1e-2, none)?;
+        for _ in 0..ROUNDS {
+            let Some(correction) = self.correction_of(&fitted)? else { break };
+            let settled = self.change(&correction, &fitted.correction) < SETTLED;
+            self.measured = self.measured.clone().with_numerical_error(&correction);
+            fitted = self.fit_model(fitted.model, fitted.theta, TOLERANCE, correction)?;
+            // A model that misses the record by far is not the answer: once is enough.
+            if settled || fitted.quality.reduced_chi2_total > FAR {
+                break;
+            }
         }
-        let again = self.fit_model(first.model, first.theta, 2e-3)?;
-        let key = Vec::new();
-        self.rungs.insert(key, again);
+        self.rungs.insert(Vec::new(), fitted);
         Ok(())
     }
 
+    /// What the file's mesh says more than the search mesh, at a fit; `None` where it cannot be
+    /// computed.
+    fn correction_of(&mut self, f: &Fitted) -> Result<Option<DVector<f64>>, AnalysisError> {
+        let added: Vec<EffectConfig> = f.model.case.effects.clone();
+        let mut case = (*self.fine_case).clone();
+        case.effects = added;
+        let fine = Model::new(Arc::new(case), self.catalogue, Discretisation::default())?;
+        let theta = transfer(&f.model, &f.theta, &fine);
+        let options = run_options(&self.case);
+        let slots = &self.measured.slots;
+        let problem = FeProblem::new(&fine, theta, Vec::new(), slots, options, self.cancelled);
+        self.runs += 1;
+        (self.progress)("numerical error: one run on the file's mesh");
+        match problem.predict(&[], false) {
+            Ok(p) => Ok(Some(&p.values - (&f.fit.prediction.values - &f.correction))),
+            Err(inverse::PredictError::Interrupted) => Err(inverse::PredictError::Interrupted.into()),
+            Err(_) => Ok(None),
+        }
+    }
+
+    /// Root mean square of the change of a correction, in standard deviations of the noise.
+    fn change(&self, a: &DVector<f64>, b: &DVector<f64>) -> f64 {
+        let d = a - b;
+        let blocks = &self.measured.data.blocks;
+        let sum: f64 = blocks
+            .iter()
+            .map(|k| d.rows(k.range.start, k.range.len()).norm_squared() / k.noise.sd.powi(2))
+            .sum();
+        (sum / d.len().max(1) as f64).sqrt()
+    }
+
+    /// Fits a rung; one that promises to be the answer gets its own correction.
+    fn fit_rung(&mut self, model: Model, theta: Vec<f64>, start: DVector<f64>) -> Result<Fitted, AnalysisError> {
+        let mut fitted = self.fit_model(model, theta, TOLERANCE, start)?;
+        let best = self.rungs.values().map(|f| f.quality.reduced_chi2_total).fold(f64::INFINITY, f64::min);
+        for _ in 0..ROUNDS {
+            if fitted.quality.reduced_chi2_total > PROMISING * best {
+                break;
+            }
+            let Some(correction) = self.correction_of(&fitted)? else { break };
+            let change = self.change(&correction, &fitted.correction);
+            fitted = self.fit_model(fitted.model, fitted.theta, TOLERANCE, correction)?;
+            if change < SETTLED {
+                break;
+            }
+        }
+        Ok(fitted)
+    }
+
     /// Fits a model from θ on all data (joint, whitened, with priors).
-    fn fit_model(&mut self, model: Model, theta: Vec<f64>, tolerance: f64) -> Result<Fitted, AnalysisError> {
+    fn fit_model(
+        &mut self,
+        model: Model,
+        theta: Vec<f64>,
+        tolerance: f64,
+        correction: DVector<f64>,
+    ) -> Result<Fitted, AnalysisError> {
         let free = model.free();
         let mut list = frees(&model, &theta, &free);
         let literature = self.case.identify.priors.literature.unwrap_or(true);
@@ -160,10 +229,11 @@ impl<'a> FeLadder<'a> {
                 self.cancelled,
             );
             problem.options.march.budget = crate::identify::TRIAL_BUDGET;
-            problem.correction = self.correction.clone();
+            problem.correction = correction.clone();
             let options = FitOptions {
                 tolerance,
                 max_iterations: 12,
+                max_trials: TRIALS,
                 initial_damping: 1e-2,
                 max_step: 0.7,
                 ..FitOptions::default()
@@ -188,7 +258,7 @@ impl<'a> FeLadder<'a> {
             all[i] = v;
         }
         let quality = quality(&self.measured.data, &list, &fit);
-        Ok(Fitted { model, theta: all, free, frees: list, fit, quality })
+        Ok(Fitted { model, theta: all, free, frees: list, fit, quality, correction })
     }
 
     /// A rung's key: effects in sorted order.
@@ -320,7 +390,8 @@ impl diagnose::Ladder for FeLadder<'_> {
             let case = case_with(&self.case, &configs);
             let model = Model::new(Arc::new(case), self.catalogue, self.how)?;
             let theta = transfer(&base.model, &base.theta, &model);
-            let fitted = self.fit_model(model, theta, 2e-3)?;
+            let start = base.correction.clone();
+            let fitted = self.fit_rung(model, theta, start)?;
             self.rungs.insert(key.clone(), fitted);
         }
         let fitted = &self.rungs[&key];
@@ -354,9 +425,7 @@ impl diagnose::Ladder for FeLadder<'_> {
         let screened = base.screen()?;
         self.runs += 1 + screened.secant_runs;
         let mut prediction = screened.prediction;
-        if self.correction.len() == prediction.values.len() {
-            prediction.values += &self.correction;
-        }
+        prediction.values += &f.correction;
         let white = Whitened::new(&self.measured.data, &f.frees, &f.fit.theta, &prediction, Noise::Total);
         self.candidates = screened.candidates;
         diagnose::screen(&white, &f.fit.at_bound, &self.candidates, self.measured.data.points(), &self.policy)

@@ -474,6 +474,13 @@ impl March<'_> {
         if self.run.iterations > self.options.budget {
             return Err(FemError::Setup(format!("more than {} Newton iterations", self.options.budget)));
         }
+        // Leaving the load-free state every fibre decides whether it is taut: an active-set search
+        // that smaller steps do not shorten.
+        let patience = if self.run.steps.len() < 2 { 4 } else { 1 };
+        let newton = NewtonOptions {
+            max_iterations: patience * self.options.newton.max_iterations,
+            ..self.options.newton
+        };
         let step = Step {
             problem: self.problem,
             local: &self.local,
@@ -481,13 +488,13 @@ impl March<'_> {
             ctx,
             old: &self.state,
             control,
-            options: self.options.newton,
+            options: newton,
             force_floor: 1e-3 * self.force_floor,
         };
         let result = step.solve(self.system, fresh);
         self.run.iterations += match &result {
             Ok(c) => c.iterations,
-            Err(_) => self.options.newton.max_iterations,
+            Err(_) => newton.max_iterations,
         };
         result
     }

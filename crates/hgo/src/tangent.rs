@@ -13,7 +13,7 @@
 
 use crate::fibre::{FAMILIES, Family};
 use crate::kinematics::{Kinematics, Planar};
-use crate::law::{D, FibreInvariants, Hgo, K1, K2, MU};
+use crate::law::{D, FibreInvariants, Hgo, K1, K2, MU, PARAMETERS};
 
 /// Writes P and A = ∂P/∂F. Filled in place: each copy of the 720 bytes costs a tenth of the call.
 #[inline(always)]
@@ -21,6 +21,42 @@ pub(crate) fn stress_and_tangent(
     law: &Hgo,
     f: &[f64; 9],
     params: &[f64],
+    stress: &mut [f64; 9],
+    a: &mut [[f64; 9]; 9],
+) {
+    sum_of_parts(law, f, params, [true; FAMILIES], stress, a);
+}
+
+/// First Piola stress (MPa) and tangent (MPa) of one fibre family, the counterpart of
+/// [`crate::fibre_response`].
+pub fn fibre_tangent(law: &Hgo, f: &[f64; 9], params: &[f64], family: usize) -> ([f64; 9], [[f64; 9]; 9]) {
+    let mut alone = [0.0; PARAMETERS];
+    alone.copy_from_slice(&params[..PARAMETERS]);
+    (alone[MU], alone[D]) = (0.0, f64::INFINITY);
+    let mut answer = ([0.0; 9], [[0.0; 9]; 9]);
+    let which = std::array::from_fn(|k| k == family);
+    sum_of_parts(law, f, &alone, which, &mut answer.0, &mut answer.1);
+    answer
+}
+
+/// Volumetric stress (MPa) and tangent (MPa), the counterpart of [`crate::volumetric`]; `d` in 1/MPa.
+pub fn volumetric_tangent(f: &[f64; 9], d: f64) -> ([f64; 9], [[f64; 9]; 9]) {
+    let kin = Kinematics::new(f);
+    let inverse_j = 1.0 / kin.j;
+    let (p, u2) = ((kin.j - inverse_j) / d, (1.0 + inverse_j * inverse_j) / d);
+    let none = [[0.0; 9]; FAMILIES];
+    let mut a = [[0.0; 9]; 9];
+    set_rank_updates(&mut a, &kin.cof, &kin.cof.map(|c| 0.5 * u2 * c), &none, &[0.0; FAMILIES]);
+    add_second_gradient(&mut a, &kin.f, &Planar::zero(), p);
+    (kin.cof.map(|c| p * c), a)
+}
+
+#[inline(always)]
+fn sum_of_parts(
+    law: &Hgo,
+    f: &[f64; 9],
+    params: &[f64],
+    which: [bool; FAMILIES],
     stress: &mut [f64; 9],
     a: &mut [[f64; 9]; 9],
 ) {
@@ -35,7 +71,7 @@ pub(crate) fn stress_and_tangent(
     let mut g = [[0.0; 9]; FAMILIES];
 
     for (family, fibre) in Family::both(law, &kin, params).iter().enumerate() {
-        if !fibre.active(law) {
+        if !which[family] || !fibre.active(law) {
             continue;
         }
         let x = params[K2] * fibre.strain * fibre.strain;

@@ -5,8 +5,9 @@
 //! transformed coordinates, so that a direction that the data do not fix (a *sloppy* one, Transtrum,
 //! Machta & Sethna 2011) cannot run to infinity.
 
+use crate::bend::bent_step;
 use crate::linalg::Reduced;
-use crate::step::{Damping, StepBox, bounded_step, moves, scaled};
+use crate::step::{Damping, Step, StepBox, bounded_step, moves, scaled};
 use crate::whiten::{Whitened, Whitener};
 use crate::{Data, Fit, FitError, FitOptions, Free, Iterate, PredictError, Prediction, Problem, StopReason};
 use nalgebra::DVector;
@@ -18,7 +19,15 @@ struct State {
     theta: Vec<f64>,
     f: f64,
     prediction: Prediction,
-    system: Option<(Reduced, DVector<f64>)>,
+    system: Option<System>,
+}
+
+/// The linearised problem at a point.
+struct System {
+    whitened: Whitened,
+    reduced: Reduced,
+    /// Marquardt's scale: diagonal of JᵀJ.
+    scale: DVector<f64>,
 }
 
 enum Failure {
@@ -129,7 +138,7 @@ impl<P: Problem + ?Sized> Search<'_, P> {
 
     /// Relative fall that an almost undamped step promises.
     fn promise(&self, state: &State) -> f64 {
-        state.system.as_ref().map_or(0.0, |(system, d)| {
+        state.system.as_ref().map_or(0.0, |System { reduced: system, scale: d, .. }| {
             // In a sloppy valley the undamped step ends on many edges of its box and may promise
             // nothing; a damped one then still does.
             let space = self.step_box(state);
@@ -147,14 +156,18 @@ impl<P: Problem + ?Sized> Search<'_, P> {
         damping: &mut Damping,
         observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
     ) -> Result<Advance, FitError> {
-        let Some((system, d)) = &state.system else {
+        let Some(System { whitened, reduced: system, scale: d }) = &state.system else {
             return Err(FitError::Contract("no jacobian although it was asked for".into()));
         };
         let space = self.step_box(state);
         damping.shorten = (2.0 * damping.shorten).min(1.0);
+        let mut bent: Option<Step> = None;
         for _ in 0..self.options.max_trials {
             let lambda = damping.lambda;
-            let step = scaled(bounded_step(system, d, lambda, &space), damping.shorten, system);
+            let straight = bent.is_none();
+            let step = bent
+                .take()
+                .unwrap_or_else(|| scaled(bounded_step(system, d, lambda, &space), damping.shorten, system));
             if step.fall <= 1e-3 * self.options.tolerance * state.f || !moves(&state.z, &step.dz) {
                 break;
             }
@@ -171,7 +184,14 @@ impl<P: Problem + ?Sized> Search<'_, P> {
                     });
                 }
                 Ok(next) => {
-                    damping.reject();
+                    if straight && damping.shorten >= 1.0 {
+                        let there = self.whitened_misfit(whitened, &next);
+                        bent = bent_step(whitened, d, lambda, &space, &step.dz, &there)
+                            .filter(|s| s.fall > self.options.tolerance * state.f);
+                    }
+                    if bent.is_none() {
+                        damping.reject();
+                    }
                     if self.record(iteration, Ok(&next), false, lambda, observer).is_break() {
                         return Ok(Advance::Stop(None, StopReason::Stopped));
                     }
@@ -188,6 +208,20 @@ impl<P: Problem + ?Sized> Search<'_, P> {
             }
         }
         Ok(Advance::Stop(None, StopReason::NoDescent))
+    }
+
+    /// Misfit and priors at another point, on the rows of the linearised problem.
+    fn whitened_misfit(&self, here: &Whitened, there: &State) -> DVector<f64> {
+        let mut out = here.r.clone();
+        let data = here.whitener.apply(&self.data.misfit(&there.prediction.values));
+        out.rows_mut(0, data.len()).copy_from(&data);
+        let first = out.len() - here.prior_rows;
+        for (row, k) in (0..self.free.len()).filter(|&k| self.free[k].prior.is_some()).enumerate() {
+            if let Some(prior) = self.free[k].prior {
+                out[first + row] = here.jacobian[(first + row, k)] * (prior.mean - there.z[k]);
+            }
+        }
+        out
     }
 
     /// The jacobian at an accepted point, where the trial was run without.
@@ -245,7 +279,7 @@ impl<P: Problem + ?Sized> Search<'_, P> {
                     if s > 0.0 { s } else { 1.0 }
                 }),
             );
-            (Reduced::new(&whitened.jacobian, &whitened.r), d)
+            System { reduced: Reduced::new(&whitened.jacobian, &whitened.r), scale: d, whitened }
         });
         Ok(State { z, theta, f: data_part + prior_part, prediction, system })
     }

@@ -1,6 +1,7 @@
 //! Fibres that lose stiffness for good once their energy passes a threshold.
 
-use crate::decorator::{Call, Decoration, decorate};
+use super::by_hand::{add, add_square};
+use crate::decorator::{Call, Decoration, Tangent, decorate};
 use crate::numeric::{add_scaled, plus};
 use constitutive::{Context, Energy, Law, PointLaw, Response, Scalar};
 use hgo::{FAMILIES, FibreInvariants, Hgo};
@@ -137,6 +138,29 @@ impl Decoration<9> for Damage {
             r.energy = plus(r.energy, d * fibre.energy);
         }
         r
+    }
+
+    fn hand_tangent(
+        &self,
+        call: &Call<'_, f64, 9>,
+        inner_new: &mut [f64],
+        new: &mut [f64],
+    ) -> Option<Tangent<9>> {
+        let mut sum = call.inner_tangent(call.gradient, call.base, inner_new)?;
+        for (family, (psi_max, old)) in new.iter_mut().zip(call.old).enumerate() {
+            let psi = hgo::fibre_response(&self.base, call.gradient, call.base, family).energy;
+            *psi_max = psi.max_of(*old);
+            if *psi_max <= call.own[PSI0] {
+                continue;
+            }
+            let fibre = hgo::fibre_tangent(&self.base, call.gradient, call.base, family);
+            add(&mut sum, -damage(call.own, *psi_max), &fibre);
+            if psi >= *old {
+                let rate = call.own[A] / call.own[SCALE] * (-(psi - call.own[PSI0]) / call.own[SCALE]).exp();
+                add_square(&mut sum.1, -rate, &fibre.0);
+            }
+        }
+        Some(sum)
     }
 
     fn energies(&self, call: &Call<'_, f64, 9>, inner_new: &[f64], new: &[f64]) -> Energy {

@@ -1,11 +1,13 @@
 //! Softening on unloading and reloading below the largest energy reached.
 
+use super::by_hand::{add, add_square, isochoric_tangent};
 use super::isochoric;
-use crate::decorator::{Call, Decoration, decorate};
+use crate::decorator::{Call, Decoration, Tangent, decorate};
 use crate::numeric::{add_scaled, erf_integral, plus};
 use constitutive::{Energy, Law, PointLaw, Response, Scalar};
 use model::{Action, Card, Effect, Options, Piece, Scales, Screening, Sided, Site};
 use params::{ParamSpec, Quantity};
+use std::f64::consts::FRAC_2_SQRT_PI;
 use std::sync::Arc;
 
 const A: usize = 0;
@@ -123,6 +125,29 @@ impl Decoration<9> for Softening {
         add_scaled(&mut r.force, change, &iso.force);
         r.energy = plus(r.energy, energy_change(call.own, iso.energy, psi_max));
         r
+    }
+
+    /// Only over a law without memory: there P_iso is the gradient of Ψ.
+    fn hand_tangent(
+        &self,
+        call: &Call<'_, f64, 9>,
+        inner_new: &mut [f64],
+        new: &mut [f64],
+    ) -> Option<Tangent<9>> {
+        if !call.inner_old.is_empty() {
+            return None;
+        }
+        let psi = isochoric(call.gradient, call.base, &call.inner(inner_new)).energy;
+        let mut sum = call.inner_tangent(call.gradient, call.base, inner_new)?;
+        new[0] = psi.max_of(call.old[0]);
+        if psi < new[0] {
+            let iso = isochoric_tangent(call.gradient, call.base, &sum);
+            let (width, change) = reduction(call.own, psi, new[0]);
+            let x = (new[0] - psi) / width;
+            add(&mut sum, change, &iso);
+            add_square(&mut sum.1, call.own[A] * FRAC_2_SQRT_PI * (-x * x).exp() / width, &iso.0);
+        }
+        Some(sum)
     }
 
     /// Lost: a w ∫₀^(Ψmax/w) erf, a function of Ψmax alone.

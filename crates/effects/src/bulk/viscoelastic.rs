@@ -1,8 +1,9 @@
 //! Stress that relaxes: Maxwell branches on the isochoric stress.
 
+use super::by_hand::{add, constant_stress, deviatoric, isochoric_tangent};
 use super::isochoric;
 use super::symmetric::{Frame, Sym, dot, pushed};
-use crate::decorator::{Call, Decoration, decorate};
+use crate::decorator::{Call, Decoration, Tangent, decorate};
 use crate::numeric::{add_scaled, decay, mean_decay, mean_rise};
 use crate::settings::{integer, spread};
 use constitutive::{Energy, Law, PointLaw, Response, Scalar};
@@ -204,6 +205,33 @@ impl Decoration<9> for Maxwell {
         new[self.work()] = call.old[self.work()] + work;
         add_scaled(&mut r.force, frame.m, &pushed(call.gradient, &frame.deviator(&sum)));
         r
+    }
+
+    /// ΣH is linear in the driving stress: what the step starts from stays constant, and the share
+    /// that the step adds follows the inner law's own tangent.
+    fn hand_tangent(
+        &self,
+        call: &Call<'_, f64, 9>,
+        inner_new: &mut [f64],
+        new: &mut [f64],
+    ) -> Option<Tangent<9>> {
+        let mut sum = call.inner_tangent(call.gradient, call.base, inner_new)?;
+        let iso = isochoric_tangent(call.gradient, call.base, &sum);
+        self.respond(call, inner_new, new);
+        let s_old = read(call.old, self.stress_block());
+        let (mut constant, mut share) = ([0.0; 6], 0.0);
+        for b in 0..self.branches {
+            let (g, x) = (call.own[2 * b], call.ctx.dt / call.own[2 * b + 1]);
+            let (left, taken) = (decay(x), g * mean_decay(x));
+            share += taken;
+            for i in 0..6 {
+                constant[i] += call.old[6 * b + i] * left - taken * s_old[i];
+            }
+        }
+        let frame = Frame::new(call.gradient);
+        add(&mut sum, 1.0, &constant_stress(call.gradient, frame.m, &frame.c, &constant));
+        add(&mut sum, share, &deviatoric(call.gradient, &iso));
+        Some(sum)
     }
 
     /// Lost: the work done on the branches less what their springs hold.

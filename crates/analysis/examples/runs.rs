@@ -1,0 +1,47 @@
+//! Cost of runs of a case: `cargo run --release -p analysis --example runs -- FILE`.
+use inverse::Problem as _;
+use std::sync::Arc;
+use std::time::Instant;
+fn main() {
+    let cat = effects::catalogue();
+    for path in std::env::args().skip(1) {
+        let case = input::read_case(std::path::Path::new(&path), &cat).unwrap_or_else(|e| panic!("{e}"));
+        for coarsen in [1.0, 2.0] {
+            let how = model::Discretisation { coarsen, ..model::Discretisation::default() };
+            let options = analysis::run_options(&case);
+            let m = model::Model::new(Arc::new(case.clone()), &cat, how).unwrap();
+            let wanted: Vec<bool> = m.tests.iter().map(|t| t.test.record.is_some()).collect();
+            let measured = analysis::Measured::of(&m, &wanted).unwrap();
+            let theta = m.theta();
+            let free = m.free();
+            let p = analysis::FeProblem::new(&m, theta.clone(), free.clone(), &measured.slots, options, &|| false);
+            let mut values: Vec<f64> = free.iter().map(|&i| theta[i]).collect();
+            for (name, jac, change) in
+                [("cold", false, 0.0), ("warm same", false, 0.0), ("warm +2%", false, 0.02), ("warm +2% jac", true, 0.02), ("warm jac", true, 0.0)]
+            {
+                for v in &mut values {
+                    *v *= 1.0 + change;
+                }
+                let t = Instant::now();
+                let th = p.full(&values);
+                let runs = p.run(&th, if jac { &free } else { &[] }).unwrap();
+                let s = t.elapsed().as_secs_f64();
+                print!("{path} x{coarsen} {name:14} {s:6.3}s");
+                for r in runs.iter().flatten() {
+                    let unk = r.run.last.as_ref().map_or(0, |s| s.u.len());
+                    let fresh = r.run.steps.iter().filter(|s| !s.revisited).count();
+                    print!(
+                        " | dofs {unk} targets {} steps {} fresh {fresh} its {} jumps {} fail {}",
+                        r.plan.targets.len(),
+                        r.run.steps.len(),
+                        r.run.iterations,
+                        r.run.jumps.len(),
+                        r.run.failure.is_some()
+                    );
+                }
+                println!();
+            }
+            let _ = p.predict(&values, false);
+        }
+    }
+}
