@@ -22,7 +22,7 @@ const MAY_SEE: &[(&str, &[&str])] = &[
     ("model", &["cohesive", "constitutive", "fem", "hgo", "input", "inverse", "mesh", "params"]),
     // 4
     ("effects", &["cohesive", "constitutive", "hgo", "input", "model", "params"]),
-    ("analysis", &["constitutive", "diagnose", "fem", "input", "inverse", "model", "params"]),
+    ("analysis", &["constitutive", "diagnose", "fem", "hgo", "input", "inverse", "model", "params"]),
     // cohesive, constitutive, fem: the fields it writes (stress, damage) are computed from states.
     (
         "report",
@@ -41,7 +41,8 @@ const MAY_SEE: &[(&str, &[&str])] = &[
     ),
     // 5
     ("fct-cli", &["analysis", "diagnose", "effects", "input", "inverse", "model", "params", "report"]),
-    // Sees all.
+    // See all.
+    ("hidden-suite", &["*"]),
     ("workspace-tests", &["*"]),
 ];
 

@@ -98,6 +98,16 @@ impl Measured {
         Ok(Self { data: Data::from_parts(parts)?, slots })
     }
 
+    /// The same with white noise of at least a share of each block's largest value.
+    pub fn with_noise_of_at_least(mut self, share: f64) -> Self {
+        for block in &mut self.data.blocks {
+            let largest = block.measured.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+            block.noise.sd = block.noise.sd.max(share * largest);
+            block.noise.ar1 = 0.0;
+        }
+        self
+    }
+
     /// The same with the model's numerical error: one column per block, with an unknown factor.
     ///
     /// `difference`: what the given mesh says more than one twice as coarse. What the given mesh

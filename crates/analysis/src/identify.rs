@@ -248,6 +248,9 @@ pub(crate) struct Work<'a> {
     held: Option<()>,
     /// Whether the literature's priors count.
     pub literature: bool,
+    /// Share of each record's largest value that counts as noise at least: a start need not follow
+    /// the record any closer, and keeps a tissue that the literature knows.
+    pub coarse_noise: f64,
     starts: Option<String>,
 }
 
@@ -269,6 +272,7 @@ impl<'a> Work<'a> {
             options,
             held: None,
             literature: case.identify.priors.literature.unwrap_or(false),
+            coarse_noise: 0.0,
             starts: None,
         }
     }
@@ -281,9 +285,13 @@ impl<'a> Work<'a> {
         tests: &[bool],
         coarse: bool,
     ) -> Result<f64, AnalysisError> {
-        let measured = Measured::of(model, tests)?;
+        let starting = self.coarse_noise > 0.0;
+        let mut measured = Measured::of(model, tests)?;
+        if starting {
+            measured = measured.with_noise_of_at_least(self.coarse_noise);
+        }
         let mut list = frees(model, &self.theta, free);
-        crate::priors::add(&mut list, self.case, self.literature);
+        crate::priors::add(&mut list, self.case, self.literature || starting);
         let paths: Vec<String> = list.iter().map(|f| f.path.clone()).collect();
         let problem = FeProblem::new(
             model,
@@ -293,7 +301,8 @@ impl<'a> Work<'a> {
             self.options,
             self.control.cancelled,
         );
-        let objective = if stage == Stage::Joint { Objective::Whitened } else { Objective::PaperSum };
+        let whitened = stage == Stage::Joint || starting;
+        let objective = if whitened { Objective::Whitened } else { Objective::PaperSum };
         let fit_options = FitOptions {
             objective,
             // The coarse mesh only brings the search near: its own error is larger than the rest.

@@ -11,6 +11,7 @@ mod priors;
 mod problem;
 mod simulate;
 mod start;
+mod strip;
 
 pub use answer::{DiscoverAnswer, LadderRow, NextTest, ScreenRow, diagnose, discover};
 pub use columns::{Base, Screened, scales};

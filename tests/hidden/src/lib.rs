@@ -1,0 +1,54 @@
+//! The hidden-effect study: makes specimen folders in which a known effect is hidden, lets the search
+//! ([`diagnose::discover`] on [`analysis::FeLadder`]) loose on them, and reports how often its answer was right.
+//!
+//! The records are computed on other meshes, with other steps and another integration of the interface than the
+//! identification uses, and carry noise. Laws are shared with the product, though: the outside suite of practice
+//! records covers that side. Nothing here feeds back into the product.
+#![warn(missing_docs)]
+
+pub mod amplitude;
+pub mod draw;
+pub mod files;
+pub mod forward;
+pub mod generate;
+pub mod outcome;
+pub mod outside;
+pub mod protocol;
+pub mod report;
+pub mod run;
+pub mod signal;
+pub mod spec;
+
+use thiserror::Error;
+
+/// Why a case could not be made or read.
+#[derive(Debug, Error)]
+pub enum GenerateError {
+    /// A file.
+    #[error("{path}: {why}")]
+    File {
+        /// Which.
+        path: String,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// The model of the generator.
+    #[error("{0}")]
+    Model(String),
+    /// Building or running a model.
+    #[error(transparent)]
+    Analysis(#[from] analysis::AnalysisError),
+    /// Running a model.
+    #[error(transparent)]
+    Predict(#[from] inverse::PredictError),
+    /// Building a model.
+    #[error(transparent)]
+    Build(#[from] model::BuildError),
+}
+
+impl GenerateError {
+    /// A fault of a file.
+    pub fn file(path: &str, why: &dyn std::fmt::Display) -> Self {
+        Self::File { path: path.to_owned(), why: why.to_string() }
+    }
+}

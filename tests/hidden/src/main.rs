@@ -1,0 +1,157 @@
+//! `hidden`: makes the cases, diagnoses them, writes docs/hidden.md. `just hidden` does all three.
+
+use clap::{Parser, ValueEnum};
+use hidden_suite::forward::{Fineness, catalogue};
+use hidden_suite::spec::{Spec, suite};
+use hidden_suite::{generate::generate, report, run};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum What {
+    /// Make the cases that are not there yet.
+    Generate,
+    /// Diagnose the cases that have no result yet.
+    Run,
+    /// Write the document from the results that are there.
+    Report,
+    /// All three.
+    All,
+}
+
+/// The hidden-effect study.
+#[derive(Parser)]
+struct Args {
+    /// What to do.
+    what: What,
+    /// Where the cases live.
+    #[arg(long, default_value = "runs/hidden")]
+    dir: PathBuf,
+    /// Every how manieth case of the suite.
+    #[arg(long, default_value_t = 1)]
+    every: usize,
+    /// Only these cases (`case-017`).
+    #[arg(long)]
+    only: Vec<String>,
+    /// Cases at a time.
+    #[arg(long, default_value_t = 2)]
+    jobs: usize,
+    /// Longest diagnosis of one case, s.
+    #[arg(long, default_value_t = 900)]
+    limit_s: u64,
+    /// The document.
+    #[arg(long, default_value = "docs/hidden.md")]
+    doc: PathBuf,
+    /// Print every step of the search.
+    #[arg(long)]
+    verbose: bool,
+}
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    let specs: Vec<Spec> = suite(&catalogue())
+        .into_iter()
+        .step_by(args.every.max(1))
+        .filter(|s| args.only.is_empty() || args.only.contains(&s.name))
+        .collect();
+    let mut good = true;
+    if matches!(args.what, What::Generate | What::All) {
+        good &= make(&args, &specs);
+    }
+    if matches!(args.what, What::Run | What::All) {
+        good &= diagnose(&args, &specs);
+    }
+    if matches!(args.what, What::Report | What::All) {
+        good &= document(&args, &specs);
+    }
+    if good { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+fn folder(args: &Args, spec: &Spec) -> PathBuf {
+    args.dir.join(&spec.name)
+}
+
+fn make(args: &Args, specs: &[Spec]) -> bool {
+    let missing: Vec<&Spec> =
+        specs.iter().filter(|s| !folder(args, s).join("truth.json").is_file()).collect();
+    eprintln!("{} of {} cases to make", missing.len(), specs.len());
+    let failed = std::sync::atomic::AtomicBool::new(false);
+    run::each(&missing, args.jobs, |spec| {
+        let start = std::time::Instant::now();
+        match generate(spec, &Fineness::STUDY, &folder(args, spec)) {
+            Ok(t) => eprintln!(
+                "{} {:?} {:?} {:?}: rms/noise {}, beyond the base {:.1}, mesh {}, σc × {:.2}, {:.1} s",
+                t.name,
+                t.protocol,
+                t.effects,
+                t.strengths,
+                short(&t.effect_rms_over_noise),
+                t.what_no_base_parameter_imitates_over_noise,
+                short(&t.mesh_error_rms_over_noise),
+                t.tissue.shrunk,
+                start.elapsed().as_secs_f64()
+            ),
+            Err(e) => {
+                failed.store(true, std::sync::atomic::Ordering::Relaxed);
+                eprintln!("{} {:?}: {e}", spec.name, spec.hidden);
+            }
+        }
+    });
+    !failed.into_inner()
+}
+
+fn diagnose(args: &Args, specs: &[Spec]) -> bool {
+    let open: Vec<PathBuf> = specs
+        .iter()
+        .map(|s| folder(args, s))
+        .filter(|f| f.join("truth.json").is_file() && run::stored(f).is_none())
+        .collect();
+    eprintln!("{} cases to diagnose", open.len());
+    run::each(&open, args.jobs, |f| {
+        let say = |s: &str| {
+            if args.verbose {
+                eprintln!("  {}: {s}", name(f));
+            }
+        };
+        match run::run_case(f, Duration::from_secs(args.limit_s), &say) {
+            Ok(o) => eprintln!(
+                "{} {:?} signal {:.1} → {} {:?} {:?} ({:?}, {:.0} s)",
+                o.truth.name,
+                o.truth.effects,
+                o.truth.what_no_base_parameter_imitates_over_noise,
+                o.verdict,
+                o.groups,
+                o.grade(),
+                o.end,
+                o.seconds
+            ),
+            Err(e) => eprintln!("{}: {e}", name(f)),
+        }
+    });
+    true
+}
+
+fn short(by_test: &BTreeMap<String, f64>) -> String {
+    by_test.iter().map(|(t, v)| format!("{t} {v:.2}")).collect::<Vec<_>>().join(" ")
+}
+
+fn name(folder: &Path) -> String {
+    folder.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned())
+}
+
+fn document(args: &Args, specs: &[Spec]) -> bool {
+    let outcomes: Vec<_> = specs.iter().filter_map(|s| run::stored(&folder(args, s))).collect();
+    let text = report::page(&outcomes, specs.len());
+    match std::fs::write(&args.doc, text) {
+        Ok(()) => {
+            eprintln!("{} results → {}", outcomes.len(), args.doc.display());
+            true
+        }
+        Err(e) => {
+            eprintln!("{}: {e}", args.doc.display());
+            false
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! The answer to one case, and how it compares with the truth.
+
+use crate::files::Truth;
+use serde::{Deserialize, Serialize};
+
+/// One effect of the screen at the base model.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ScreenRow {
+    /// Effect.
+    pub effect: String,
+    /// Predicted fall of χ².
+    pub fall: f64,
+    /// p-value adjusted for the catalogue.
+    pub q_value: f64,
+    /// Standard deviations of a plausible amplitude beyond the base.
+    pub snr: f64,
+    /// Called for.
+    pub significant: bool,
+    /// A short refit decides.
+    pub refit_only: bool,
+    /// Look-alikes.
+    pub look_alikes: Vec<String>,
+}
+
+/// One fitted model.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Step {
+    /// Effects.
+    pub effects: Vec<String>,
+    /// χ² with numerical error and priors: what was minimised.
+    pub objective: f64,
+    /// Reduced χ², numerical error included.
+    pub reduced_chi2_total: f64,
+    /// Bayesian information criterion.
+    pub bic: f64,
+    /// Root mean square misfit of the forces, N.
+    #[serde(rename = "rms_N")]
+    pub rms_n: f64,
+    /// Reduced χ² of what was held out.
+    pub held_out_chi2: Option<f64>,
+    /// p-value of left-over structure.
+    pub structure_p: f64,
+    /// Mean fracture energy of the areas, N/mm.
+    pub gc: f64,
+    /// Whether it counts as explained.
+    pub explained: bool,
+}
+
+/// How a case ended.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum End {
+    /// With an answer.
+    Answered,
+    /// Stopped by the time limit; the answer is what stood then.
+    TimeLimit,
+    /// Not at all.
+    Failed(String),
+}
+
+/// The answer to one case.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Outcome {
+    /// What was hidden.
+    pub truth: Truth,
+    /// How it ended.
+    pub end: End,
+    /// `nothing_missing`, `explained`, `ambiguous`, `unexplained`; empty without an answer.
+    pub verdict: String,
+    /// Effects added in the end.
+    pub found: Vec<String>,
+    /// For each of them: itself and its rivals.
+    pub groups: Vec<Vec<String>>,
+    /// The screen at the base model, most significant first.
+    pub screen: Vec<ScreenRow>,
+    /// Accepted models, base first.
+    pub ladder: Vec<Step>,
+    /// Every model that was fitted.
+    pub tried: Vec<Step>,
+    /// Sets that could not be fitted.
+    pub failed: Vec<(Vec<String>, String)>,
+    /// Forward runs.
+    pub forward_runs: usize,
+    /// Wall time, s.
+    pub seconds: f64,
+}
+
+/// How an answer stands to the truth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Grade {
+    /// The truth and nothing else, by name or in its stated group.
+    Right,
+    /// The truth, and more.
+    Extra,
+    /// Some of what is hidden, and nothing wrong.
+    Part,
+    /// No name was given.
+    Abstained,
+    /// A name that is not among what is hidden, in no group with it.
+    Wrong,
+    /// No answer.
+    None,
+}
+
+impl Outcome {
+    /// Whether `effect` is one of the effects found, or in the group of one.
+    pub fn names(&self, effect: &str) -> bool {
+        self.groups.iter().any(|g| g.iter().any(|e| e == effect))
+    }
+
+    /// The grade of the answer.
+    pub fn grade(&self) -> Grade {
+        let hidden = &self.truth.effects;
+        // The time limit may have come before any answer.
+        if self.verdict.is_empty() {
+            return Grade::None;
+        }
+        if self.found.is_empty() {
+            return if hidden.is_empty() { Grade::Right } else { Grade::Abstained };
+        }
+        let named = hidden.iter().filter(|e| self.names(e)).count();
+        let strange = self.groups.iter().filter(|g| !g.iter().any(|e| hidden.contains(e))).count();
+        match (named, strange) {
+            (0, _) => Grade::Wrong,
+            (n, 0) if n == hidden.len() => Grade::Right,
+            (n, _) if n == hidden.len() => Grade::Extra,
+            (_, 0) => Grade::Part,
+            _ => Grade::Wrong,
+        }
+    }
+
+    /// Whether what was hidden is in the first group of the answer.
+    pub fn first(&self) -> bool {
+        self.groups.first().is_some_and(|g| g.iter().any(|e| self.truth.effects.contains(e)))
+    }
+
+    /// Whether what was hidden is in any group of the answer, or in the first three places of the screen or their
+    /// look-alikes.
+    pub fn among_first_three(&self) -> bool {
+        let hidden = |e: &String| self.truth.effects.contains(e);
+        self.groups.iter().flatten().any(hidden)
+            || self.screen.iter().take(3).any(|r| hidden(&r.effect) || r.look_alikes.iter().any(hidden))
+    }
+
+    /// Place of an effect in the screen, from 1.
+    pub fn place(&self, effect: &str) -> Option<usize> {
+        self.screen.iter().position(|r| r.effect == effect).map(|i| i + 1)
+    }
+
+    /// A fitted model by its effects.
+    pub fn step(&self, effects: &[String]) -> Option<&Step> {
+        let same =
+            |s: &&Step| s.effects.len() == effects.len() && effects.iter().all(|e| s.effects.contains(e));
+        self.tried.iter().find(same)
+    }
+
+    /// Predicted and actual fall of the objective when the first accepted effect was added alone.
+    pub fn falls(&self) -> Option<(f64, f64)> {
+        let (base, first) = (self.ladder.first()?, self.ladder.get(1)?);
+        let [effect] = first.effects.as_slice() else { return None };
+        let predicted = self.screen.iter().find(|r| &r.effect == effect)?.fall;
+        Some((predicted, base.objective - first.objective))
+    }
+
+    /// Relative error of the mean Gc at the base model and at the last accepted one.
+    pub fn gc_bias(&self) -> Option<(f64, f64)> {
+        let of = |s: &Step| s.gc / self.truth.gc() - 1.0;
+        Some((of(self.ladder.first()?), of(self.ladder.last()?)))
+    }
+}

@@ -1,0 +1,183 @@
+//! Lets the search loose on the cases: a few at a time, one result file each, skipped where it is there.
+
+use crate::GenerateError;
+use crate::files::{self, Truth};
+use crate::outcome::{End, Outcome, ScreenRow, Step};
+use analysis::FeLadder;
+use diagnose::{Discovery, Ladder, Policy, Rung, Verdict};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// File name of a result.
+const RESULT: &str = "result.json";
+
+/// Calls `work` on every item, `jobs` at a time, each in a pool of one thread (the answer does not depend on threads,
+/// and cases are independent).
+pub fn each<T: Sync>(items: &[T], jobs: usize, work: impl Fn(&T) + Sync) {
+    let next = AtomicUsize::new(0);
+    std::thread::scope(|scope| {
+        for _ in 0..jobs.max(1) {
+            scope.spawn(|| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+                while let Some(item) = items.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    match &pool {
+                        Ok(p) => p.install(|| work(item)),
+                        Err(_) => work(item),
+                    }
+                }
+            });
+        }
+    });
+}
+
+/// Folders of complete cases under `root`, sorted.
+///
+/// # Errors
+/// When the folder cannot be read.
+pub fn folders(root: &Path) -> Result<Vec<PathBuf>, GenerateError> {
+    let name = root.display().to_string();
+    let entries = std::fs::read_dir(root).map_err(|e| GenerateError::file(&name, &e))?;
+    let mut list: Vec<PathBuf> =
+        entries.flatten().map(|e| e.path()).filter(|p| p.join("truth.json").is_file()).collect();
+    list.sort();
+    Ok(list)
+}
+
+/// The stored result of a case.
+pub fn stored(folder: &Path) -> Option<Outcome> {
+    serde_json::from_str(&std::fs::read_to_string(folder.join(RESULT)).ok()?).ok()
+}
+
+/// Diagnoses a case and stores the answer beside it.
+///
+/// # Errors
+/// When the truth cannot be read or the result not be written; a diagnosis that fails is a result.
+pub fn run_case(
+    folder: &Path,
+    limit: Duration,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Outcome, GenerateError> {
+    let truth = files::truth(folder)?;
+    let start = Instant::now();
+    let last = Mutex::new(String::new());
+    let told = |s: &str| {
+        if let Ok(mut l) = last.lock() {
+            s.clone_into(&mut l);
+        }
+        progress(s);
+    };
+    // A panic of the product is a result too: one case must not end the study.
+    let tried = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+        search(folder, &truth, start + limit, &told)
+    }));
+    let at = last.into_inner().unwrap_or_default();
+    let mut outcome = match tried {
+        Ok(Ok(o)) => o,
+        Ok(Err(_)) if Instant::now() >= start + limit => empty(truth, End::TimeLimit),
+        Ok(Err(why)) => empty(truth, End::Failed(format!("{why}; last said: {at}"))),
+        Err(_) => empty(truth, End::Failed(format!("panic; last said: {at}"))),
+    };
+    outcome.seconds = start.elapsed().as_secs_f64();
+    let path = folder.join(RESULT);
+    let fault = |e: &dyn std::fmt::Display| GenerateError::file(&path.display().to_string(), e);
+    let json = serde_json::to_string_pretty(&outcome).map_err(|e| fault(&e))?;
+    let new = folder.join("result.json.new");
+    std::fs::write(&new, json).and_then(|()| std::fs::rename(&new, &path)).map_err(|e| fault(&e))?;
+    Ok(outcome)
+}
+
+/// The search itself. It is given the records and the config, never the truth.
+fn search(
+    folder: &Path,
+    truth: &Truth,
+    deadline: Instant,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Outcome, String> {
+    let catalogue = effects::catalogue();
+    let case = input::read_case(&folder.join("config.toml"), &catalogue).map_err(|e| e.to_string())?;
+    let policy = Policy::default();
+    let late = || Instant::now() >= deadline;
+    let mut ladder = FeLadder::new(Arc::new(case), &catalogue, policy.clone(), progress, &late)
+        .map_err(|e| e.to_string())?;
+    let d = diagnose::discover(&mut ladder, &policy, &mut |s| progress(s)).map_err(|e| e.to_string())?;
+    Ok(answer(truth.clone(), &ladder, &d, &policy))
+}
+
+fn answer(truth: Truth, ladder: &FeLadder, d: &Discovery, policy: &Policy) -> Outcome {
+    let step = |r: &Rung| step(ladder, r, policy);
+    Outcome {
+        end: if d.interrupted || ladder.interrupted() { End::TimeLimit } else { End::Answered },
+        verdict: match d.verdict {
+            Verdict::NothingMissing => "nothing_missing",
+            Verdict::Explained => "explained",
+            Verdict::Ambiguous => "ambiguous",
+            Verdict::Unexplained => "unexplained",
+        }
+        .to_owned(),
+        found: d.found.clone(),
+        groups: d.groups.clone(),
+        screen: d
+            .screen
+            .findings
+            .iter()
+            .map(|f| ScreenRow {
+                effect: f.effect.clone(),
+                fall: f.fall,
+                q_value: f.q_value,
+                snr: f.snr,
+                significant: f.significant,
+                refit_only: f.refit_only,
+                look_alikes: f.look_alikes.clone(),
+            })
+            .collect(),
+        ladder: d.ladder.iter().map(step).collect(),
+        tried: d.tried.iter().map(step).collect(),
+        failed: d.failed.clone(),
+        forward_runs: ladder.runs,
+        ..empty(truth, End::Answered)
+    }
+}
+
+fn step(ladder: &FeLadder, r: &Rung, policy: &Policy) -> Step {
+    let fitted = ladder.rungs.get(&FeLadder::key(&r.effects));
+    let mean_gc = fitted.map_or(0.0, |f| {
+        let gc: Vec<f64> = f
+            .model
+            .parameters
+            .iter()
+            .zip(&f.theta)
+            .filter(|(p, _)| p.path.starts_with("interface.area[") && p.path.ends_with("].gc"))
+            .map(|(_, v)| *v)
+            .collect();
+        gc.iter().sum::<f64>() / gc.len().max(1) as f64
+    });
+    Step {
+        effects: r.effects.clone(),
+        objective: fitted.map_or(r.chi2_total, |f| f.fit.f),
+        reduced_chi2_total: r.reduced_chi2_total(),
+        bic: r.bic,
+        rms_n: r.rms,
+        held_out_chi2: r.held_out_chi2,
+        structure_p: r.structure_p,
+        gc: mean_gc,
+        explained: r.explained(policy),
+    }
+}
+
+fn empty(truth: Truth, end: End) -> Outcome {
+    Outcome {
+        truth,
+        end,
+        verdict: String::new(),
+        found: Vec::new(),
+        groups: Vec::new(),
+        screen: Vec::new(),
+        ladder: Vec::new(),
+        tried: Vec::new(),
+        failed: Vec::new(),
+        forward_runs: 0,
+        seconds: 0.0,
+    }
+}

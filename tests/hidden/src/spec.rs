@@ -1,0 +1,118 @@
+//! The list of cases: what is hidden, how strong, in which protocol. Everything else is drawn from the case's seed.
+
+use crate::outside::Outside;
+use model::Catalogue;
+use serde::{Deserialize, Serialize};
+
+/// What is done to the strips.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Protocol {
+    /// Cycles at one rate, as in the paper.
+    Paper,
+    /// Two rates, a hold, a rest, unloadings along the tear.
+    Rich,
+}
+
+/// What is hidden in a record.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Hidden {
+    /// Nothing: the base model is the truth.
+    None,
+    /// Effects of the catalogue with their strengths (1 is ordinary, see [`crate::amplitude`]).
+    Effects(Vec<(String, f64)>),
+    /// Something that no catalogue entry describes.
+    Outside(Outside, f64),
+}
+
+/// One case of the suite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spec {
+    /// Name of its folder; says nothing about what is hidden.
+    pub name: String,
+    /// Everything random in the case comes from here.
+    pub seed: u64,
+    /// Protocol.
+    pub protocol: Protocol,
+    /// What is hidden.
+    pub hidden: Hidden,
+    /// Autocorrelated noise instead of white.
+    pub correlated: bool,
+}
+
+/// Strengths of single effects.
+pub const STRENGTHS: [f64; 3] = [0.5, 1.0, 2.0];
+
+/// Records without any effect.
+const NONE: usize = 20;
+
+/// Records per outside effect.
+const OUTSIDE: usize = 8;
+
+/// Two effects at once, on different causes that a laboratory may well meet together.
+const PAIRS: [(&str, &str); 15] = [
+    ("viscoelastic", "compliance"),
+    ("viscoelastic", "rate_dependent_strength"),
+    ("mullins", "bridging"),
+    ("mullins", "drift"),
+    ("permanent_set", "fatigue"),
+    ("viscoelastic", "residual_opening"),
+    ("mullins", "misalignment"),
+    ("stiffness_drift", "bridging"),
+    ("fiber_damage", "viscoelastic"),
+    ("drift", "rate_dependent_strength"),
+    ("prestretch", "mullins"),
+    ("gain", "viscoelastic"),
+    ("lag", "mullins"),
+    ("grip_slip", "residual_opening"),
+    ("fiber_recruitment", "fatigue"),
+];
+
+/// Effects that are hidden: the catalogue without its negative controls.
+pub fn hideable(catalogue: &Catalogue) -> Vec<String> {
+    catalogue.iter().map(|e| e.card()).filter(|c| !c.negative_control).map(|c| c.name.to_owned()).collect()
+}
+
+/// The whole suite, always the same.
+pub fn suite(catalogue: &Catalogue) -> Vec<Spec> {
+    let both = [Protocol::Paper, Protocol::Rich];
+    let mut list: Vec<(Protocol, Hidden)> = Vec::new();
+    for effect in hideable(catalogue) {
+        for strength in STRENGTHS {
+            list.extend(both.map(|p| (p, Hidden::Effects(vec![(effect.clone(), strength)]))));
+        }
+    }
+    list.extend((0..NONE).map(|i| (both[i % 2], Hidden::None)));
+    for (i, (a, b)) in PAIRS.iter().enumerate() {
+        // Pairs need what tells effects apart: two thirds rich.
+        let protocol = both[usize::from(i % 3 != 0)];
+        list.push((protocol, Hidden::Effects(vec![((*a).into(), 1.5), ((*b).into(), 1.5)])));
+    }
+    for outside in Outside::ALL {
+        for i in 0..OUTSIDE {
+            let strength = if i < OUTSIDE / 2 { 1.0 } else { 2.0 };
+            list.push((both[i % 2], Hidden::Outside(outside, strength)));
+        }
+    }
+    list.into_iter()
+        .enumerate()
+        .map(|(i, (protocol, hidden))| Spec {
+            name: format!("case-{:03}", i + 1),
+            seed: 7_000 + i as u64,
+            protocol,
+            hidden,
+            correlated: (i / 2) % 2 == 1,
+        })
+        .collect()
+}
+
+impl Hidden {
+    /// In words, for tables.
+    pub fn words(&self) -> Vec<String> {
+        match self {
+            Self::None => Vec::new(),
+            Self::Effects(list) => list.iter().map(|e| e.0.clone()).collect(),
+            Self::Outside(o, _) => vec![o.word().to_owned()],
+        }
+    }
+}

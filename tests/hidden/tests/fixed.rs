@@ -1,0 +1,87 @@
+//! A small fixed part of the study: none, a bulk effect, a rig or sensor effect, by the same generator and runner,
+//! on coarser records.
+
+use hidden_suite::forward::Fineness;
+use hidden_suite::generate::generate;
+use hidden_suite::outcome::{End, Grade, Outcome};
+use hidden_suite::run;
+use hidden_suite::spec::{Hidden, Protocol, Spec};
+use std::path::Path;
+use std::sync::Mutex;
+use std::time::Duration;
+
+fn spec(name: &str, seed: u64, hidden: &[(&str, f64)]) -> Spec {
+    let list: Vec<(String, f64)> = hidden.iter().map(|(e, s)| ((*e).to_owned(), *s)).collect();
+    let hidden = if list.is_empty() { Hidden::None } else { Hidden::Effects(list) };
+    Spec { name: name.into(), seed, protocol: Protocol::Paper, hidden, correlated: false }
+}
+
+fn diagnosed(specs: &[Spec], root: &Path) -> Vec<Outcome> {
+    let all = Mutex::new(Vec::new());
+    run::each(specs, 2, |s| {
+        let folder = root.join(&s.name);
+        let truth = generate(s, &Fineness::QUICK, &folder).expect("the case can be made");
+        let o = run::run_case(&folder, Duration::from_secs(600), &|_| ()).expect("the answer can be stored");
+        println!(
+            "{} {:?} signal {:.1}: {} {:?} in {:.1} s",
+            truth.name,
+            truth.effects,
+            truth.what_no_base_parameter_imitates_over_noise,
+            o.verdict,
+            o.groups,
+            o.seconds
+        );
+        all.lock().expect("no panic while held").push(o);
+    });
+    let mut all = all.into_inner().expect("no panic while held");
+    all.sort_by(|a, b| a.truth.name.cmp(&b.truth.name));
+    all
+}
+
+#[test]
+fn hidden_effects_are_named_and_nothing_is_seen_where_nothing_is() {
+    let root = tempfile::tempdir().expect("a folder");
+    let specs = [spec("a", 24, &[]), spec("b", 22, &[("mullins", 1.0)]), spec("c", 23, &[("drift", 1.5)])];
+    for o in diagnosed(&specs, root.path()) {
+        assert_eq!(o.end, End::Answered, "{}", o.truth.name);
+        assert!(o.truth.effects.is_empty() || o.truth.visible(), "{:?}", o.truth.each_over_noise);
+        assert_eq!(o.grade(), Grade::Right, "{:?}: {} {:?}", o.truth.effects, o.verdict, o.groups);
+    }
+}
+
+/// Open: on this record without effect the search ends with an error instead of an answer. Not ignored any more once
+/// it does not.
+#[test]
+#[ignore = "open: the model fails to reach the end of the record in the search"]
+fn a_record_on_which_the_search_fails() {
+    let root = tempfile::tempdir().expect("a folder");
+    for o in diagnosed(&[spec("open", 21, &[])], root.path()) {
+        assert_eq!(o.end, End::Answered);
+    }
+}
+
+/// The same seed makes the same files.
+#[test]
+fn cases_follow_from_their_seed() {
+    let root = tempfile::tempdir().expect("a folder");
+    let read = |sub: &str| {
+        let folder = root.path().join(sub);
+        generate(&spec("same", 5, &[("gain", 1.0)]), &Fineness::QUICK, &folder).expect("made");
+        ["truth.json", "specimen.toml", "uniaxial.csv", "tearing.csv"]
+            .map(|f| std::fs::read_to_string(folder.join(f)).expect("written"))
+    };
+    assert_eq!(read("one"), read("two"));
+}
+
+/// The suite is as large as it must be, and its folders' names say nothing.
+#[test]
+fn the_suite_is_complete() {
+    let catalogue = effects::catalogue();
+    let all = hidden_suite::spec::suite(&catalogue);
+    assert!(all.len() >= 200, "{}", all.len());
+    for effect in hidden_suite::spec::hideable(&catalogue) {
+        let hides = |s: &&Spec| matches!(&s.hidden, Hidden::Effects(l) if l.len() == 1 && l[0].0 == effect);
+        assert_eq!(all.iter().filter(hides).count(), 6, "{effect}");
+    }
+    assert!(all.iter().all(|s| s.name.starts_with("case-") && s.name.len() == 8));
+}
