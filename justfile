@@ -26,6 +26,14 @@ bench:
 practice:
     cargo run --release -p analysis --example disc -- ../shared/practice/*/config.toml
 
+# The hidden-effect study: makes 207 cases in runs/hidden, diagnoses them, writes docs/hidden.md. Hours; resumes.
+hidden:
+    cargo run --release -p hidden-suite -- all
+
+# Every eleventh case of it, both protocols and all strengths among them; the report goes beside the cases.
+hidden-quick:
+    cargo run --release -p hidden-suite -- all --every 11 --doc runs/hidden/quick.md
+
 # The same on the public measurements beside this repository (docs/real-data.md).
 real:
     cargo run --release -p analysis --example disc -- ../shared/real/*/config.toml
@@ -39,3 +47,11 @@ audit:
 catalogue:
     cargo run -p effects --example page > docs/catalogue.md.new
     mv docs/catalogue.md.new docs/catalogue.md
+
+# The report in a real browser (Chromium): rungs clicked, points hovered, numbers checked.
+browser:
+    cargo test -p fct-cli --test browser -- --ignored --nocapture
+
+# The reference pages of the book that are made from the program: keys and JSON schema.
+book:
+    UPDATE=1 cargo test -p fct-cli --test reference

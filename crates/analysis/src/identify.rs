@@ -233,6 +233,10 @@ fn coarse_model(case: &Arc<Case>, catalogue: &Catalogue) -> Result<Option<Model>
 const COARSE_TOLERANCE: f64 = 5e-3;
 const COARSE_TRIALS: usize = 4;
 
+/// Three steps in a row that lower χ² by less than this end the search: a tenth of what one
+/// parameter is worth by chance.
+const INSIGNIFICANT: f64 = 0.1;
+
 /// Newton iterations a trial run may take: about five times what a smooth tear needs.
 pub(crate) const TRIAL_BUDGET: usize = 2500;
 
@@ -306,6 +310,7 @@ impl<'a> Work<'a> {
         let fit_options = FitOptions {
             objective,
             // The coarse mesh only brings the search near: its own error is larger than the rest.
+            insignificant: INSIGNIFICANT,
             tolerance: if coarse { COARSE_TOLERANCE } else { self.case.identify.tolerance },
             max_trials: if coarse { COARSE_TRIALS } else { FitOptions::default().max_trials },
             max_iterations: match (coarse, stage) {

@@ -34,9 +34,33 @@ pub struct Common {
     /// No progress, no remarks; errors only
     #[arg(long, global = true)]
     pub quiet: bool,
+    /// Formats of the figures, each plot in a file of its own; default: what the file says, else svg
+    #[arg(long, global = true, value_name = "FORMATS", value_delimiter = ',')]
+    pub figures: Option<Vec<Format>>,
     /// Take up a run where it stopped; a finished one only gives its answer again
     #[arg(long, global = true)]
     pub resume: bool,
+}
+
+/// A figure format on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Format {
+    /// For browsers and drawing programs
+    Svg,
+    /// For papers
+    Pdf,
+    /// For slides
+    Png,
+}
+
+impl From<Format> for input::Figure {
+    fn from(f: Format) -> Self {
+        match f {
+            Format::Svg => Self::Svg,
+            Format::Pdf => Self::Pdf,
+            Format::Png => Self::Png,
+        }
+    }
 }
 
 /// The commands.

@@ -31,7 +31,7 @@ impl Progress {
         let terminal = std::io::stderr().is_terminal() && !quiet;
         let bar = terminal.then(|| {
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(8));
-            bar.set_style(style("{spinner} {prefix} {msg}"));
+            bar.set_style(style("{spinner} {prefix} {elapsed} {wide_msg}"));
             bar.set_prefix(title.to_owned());
             bar.enable_steady_tick(Duration::from_millis(200));
             bar

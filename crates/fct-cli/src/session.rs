@@ -56,7 +56,10 @@ impl Session {
     pub fn case(&self, file: &Path) -> Result<Arc<Case>, Failure> {
         let run = file.join("run.toml");
         let file = if run.is_file() { &run } else { file };
-        let case = input::read_case(file, &self.catalogue)?;
+        let mut case = input::read_case(file, &self.catalogue)?;
+        if let Some(formats) = &self.common.figures {
+            case.output.figures = formats.iter().map(|f| (*f).into()).collect();
+        }
         for warning in &case.warnings {
             self.say(&warning.to_string());
         }

@@ -9,6 +9,10 @@ use input::{Record, TestKind};
 use model::Channel;
 use std::path::Path;
 
+/// Columns of a curve's file that are no camera channel.
+const OWN: [&str; 6] =
+    ["time_s", "displacement_mm", "force_measured_N", "force_model_N", "residual_N", "segment"];
+
 /// Measured and computed force of one test, one entry per record row.
 #[derive(Clone, Debug, Default)]
 pub struct Curve {
@@ -113,6 +117,8 @@ impl Curve {
             rows.iter().map(|r| r.get(at).unwrap_or_default().to_owned()).collect()
         };
         let numbers = |name: &str| -> Vec<f64> { text(name).iter().filter_map(|t| t.parse().ok()).collect() };
+        let further = header.iter().filter(|h| !OWN.contains(&h.as_str()));
+        let columns = further.map(|h| (h.clone(), text(h).iter().map(|t| t.parse().ok()).collect()));
         Some(Self {
             test: path.file_stem()?.to_string_lossy().into_owned(),
             time: numbers("time_s"),
@@ -120,6 +126,7 @@ impl Curve {
             measured: numbers("force_measured_N"),
             model: numbers("force_model_N"),
             segment: text("segment"),
+            columns: columns.collect(),
             ..Self::default()
         })
     }

@@ -11,6 +11,7 @@ mod error;
 pub mod fields;
 pub mod figures;
 pub mod html;
+mod peek;
 mod published;
 mod rundir;
 mod runs;
@@ -26,6 +27,8 @@ pub use published::Published;
 pub use rundir::{RunDir, write_atomic};
 pub use runs::{InputFile, RunInfo, StoredRun, inputs_of};
 pub use search_log::SearchLog;
-pub use store::{Partial, store_discover, store_identify, store_partial, store_simulate};
+pub use store::{
+    Partial, figure_files, store_discover, store_identify, store_partial, store_rung, store_simulate,
+};
 pub use synthetic::{SyntheticFile, synthetic_files};
 pub use tables::{history_csv, jacobian_csv};

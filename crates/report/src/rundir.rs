@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// What fct writes at the top of a run directory. Anything else there belongs to the user.
-const OURS: [&str; 11] = [
+const OURS: [&str; 12] = [
     "run.toml",
     "summary.json",
     "state.json",
@@ -17,6 +17,7 @@ const OURS: [&str; 11] = [
     "curves",
     "fields",
     "figures",
+    "rungs",
     "ladder.json",
 ];
 

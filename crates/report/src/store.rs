@@ -2,16 +2,18 @@
 
 use crate::answer::{IdentifyAnswer, SCHEMA, SimulateAnswer, StageHistory};
 use crate::curves::{identified_curves, simulated_curve};
-use crate::fields::{snapshots, write_fields};
-use crate::figures::{self, Figure};
+use crate::fields::{Snapshot, pictures, snapshots, write_fields};
+use crate::figures::{self, Figure, ending, export};
+use crate::rundir::write_atomic;
 use crate::runs::{RunInfo, StoredRun};
 use crate::synthetic::synthetic_files;
 use crate::tables::{history_csv, jacobian_csv};
 use crate::{Curve, ReportError, RunDir, html};
 use analysis::{Identified, Simulated, SimulatedTest};
-use input::Case;
+use input::{Case, Figure as Format};
 use serde::Serialize;
 use serde_json::{Value, json};
+use std::path::Path;
 
 /// Fills the directory of a simulation, complete or partial.
 ///
@@ -27,8 +29,8 @@ pub fn store_simulate(
     common(dir, case, answer, info)?;
     let curves: Vec<Curve> = answer.tests.iter().map(|(name, t)| simulated_curve(name, t)).collect();
     curve_files(dir, &curves)?;
-    figure_files(dir, &figures::of_curves(&curves)?)?;
-    write_fields(dir, &snapshots(&done.model, &done.theta, &done.tests, case.output.fields))?;
+    fields(dir, case, &snapshots(&done.model, &done.theta, &done.tests, case.output.fields))?;
+    figure_files(&dir.part().join("figures"), &figures::of_curves(&curves)?, &case.output.figures)?;
     if let Some(share) = case.output.noise {
         for (name, content) in synthetic_files(case, answer, share, case.output.seed)? {
             dir.write(name, &content)?;
@@ -37,7 +39,8 @@ pub fn store_simulate(
     page(dir)
 }
 
-/// Fills the directory of a search for missing effects; returns the answer as JSON.
+/// Fills the directory of a search for missing effects; returns the answer as JSON. `top`: the last
+/// rung, whose curves, fields and figures stand at the top.
 ///
 /// # Errors
 /// If the disk refuses.
@@ -45,12 +48,35 @@ pub fn store_discover(
     dir: &RunDir,
     case: &Case,
     answer: &analysis::DiscoverAnswer,
+    top: Option<(&Identified, &[SimulatedTest], &IdentifyAnswer)>,
     info: &RunInfo,
 ) -> Result<Value, ReportError> {
     common(dir, case, answer, info)?;
     let json = serde_json::to_value(answer).unwrap_or(Value::Null);
     dir.write("diagnosis.json", format!("{json:#}\n").as_bytes())?;
+    if let Some((done, replayed, found)) = top {
+        let curves = identified_curves(done);
+        curve_files(dir, &curves)?;
+        fields(dir, case, &snapshots(&done.model, &done.theta, replayed, case.output.fields))?;
+        let mut all = figures::of_identify(found, &curves)?;
+        let rungs: Vec<(String, f64)> =
+            answer.ladder.iter().map(|r| (rung_name(&r.effects), r.rms_n)).collect();
+        all.extend(figures::staircase(&rungs, noise(found))?);
+        figure_files(&dir.part().join("figures"), &all, &case.output.figures)?;
+    }
+    page(dir)?;
     Ok(json)
+}
+
+fn rung_name(effects: &[String]) -> String {
+    if effects.is_empty() { "base".into() } else { effects.join(" + ") }
+}
+
+/// Noise over all force points, N.
+fn noise(a: &IdentifyAnswer) -> f64 {
+    let points: f64 = a.tests.values().map(|t| t.points as f64).sum();
+    let squares: f64 = a.tests.values().map(|t| t.noise_N.powi(2) * t.points as f64).sum();
+    (squares / points.max(1.0)).sqrt()
 }
 
 /// Fills the directory of a finished identification.
@@ -65,31 +91,79 @@ pub fn store_identify(
     info: &RunInfo,
 ) -> Result<(), ReportError> {
     let case = &done.model.case;
+    let curves = rung(dir, done, case, answer, info)?;
+    fields(dir, case, &snapshots(&done.model, &done.theta, replayed, case.output.fields))?;
+    figure_files(&dir.part().join("figures"), &figures::of_identify(answer, &curves)?, &case.output.figures)?;
+    page(dir)
+}
+
+/// Fills the directory of a rung of a search: what a ladder needs, pictures of the strip, no VTU files.
+///
+/// # Errors
+/// If the disk refuses.
+pub fn store_rung(
+    dir: &RunDir,
+    done: &Identified,
+    case: &Case,
+    replayed: &[SimulatedTest],
+    answer: &IdentifyAnswer,
+    info: &RunInfo,
+) -> Result<(), ReportError> {
+    rung(dir, done, case, answer, info)?;
+    let strips = pictures(&snapshots(&done.model, &done.theta, replayed, case.output.fields));
+    strips.iter().try_for_each(|(name, svg)| dir.write(format!("figures/{name}.svg"), svg.as_bytes()))
+}
+
+fn rung(
+    dir: &RunDir,
+    done: &Identified,
+    case: &Case,
+    answer: &IdentifyAnswer,
+    info: &RunInfo,
+) -> Result<Vec<Curve>, ReportError> {
     common(dir, case, answer, info)?;
     let curves = identified_curves(done);
     curve_files(dir, &curves)?;
-    figure_files(dir, &figures::of_identify(answer, &curves)?)?;
     dir.write("jacobian.csv", &jacobian_csv(done)?)?;
     dir.write("history.csv", &history_csv(&answer.history)?)?;
-    write_fields(dir, &snapshots(&done.model, &done.theta, replayed, case.output.fields))?;
-    page(dir)
+    Ok(curves)
 }
 
 fn curve_files(dir: &RunDir, curves: &[Curve]) -> Result<(), ReportError> {
     curves.iter().try_for_each(|c| dir.write(format!("curves/{}.csv", c.test), &c.csv()?))
 }
 
-fn figure_files(dir: &RunDir, figures: &[Figure]) -> Result<(), ReportError> {
-    figures.iter().try_for_each(|f| dir.write(format!("figures/{}.svg", f.name), f.svg.as_bytes()))
+/// VTU files and the pictures made of the same fields. A picture is always there as SVG: the page shows it.
+fn fields(dir: &RunDir, case: &Case, all: &[(String, Vec<Snapshot>)]) -> Result<(), ReportError> {
+    write_fields(dir, all)?;
+    for (name, svg) in pictures(all) {
+        dir.write(format!("figures/{name}.svg"), svg.as_bytes())?;
+        let figure = Figure { name, caption: String::new(), svg };
+        figure_files(&dir.part().join("figures"), &[figure], &case.output.figures)?;
+    }
+    Ok(())
+}
+
+/// Writes each figure alone, in each of the formats.
+///
+/// # Errors
+/// If a figure cannot be converted, or the disk refuses.
+pub fn figure_files(folder: &Path, figures: &[Figure], formats: &[Format]) -> Result<(), ReportError> {
+    std::fs::create_dir_all(folder).map_err(ReportError::io(folder, "create the directory"))?;
+    for figure in figures {
+        for &format in formats {
+            let file = folder.join(format!("{}.{}", figure.name, ending(format)));
+            write_atomic(&file, &export(figure, format)?)?;
+        }
+    }
+    Ok(())
 }
 
 /// `report.html` from what was written so far.
 fn page(dir: &RunDir) -> Result<(), ReportError> {
     let run = StoredRun::read(dir.part())?;
-    dir.write(
-        "report.html",
-        html::page(&StoredRun { path: dir.place().to_owned(), ..run.clone() }, &run.curves())?.as_bytes(),
-    )
+    let run = StoredRun { path: dir.place().to_owned(), ..run };
+    dir.write("report.html", html::page(&run, dir.part())?.as_bytes())
 }
 
 /// A search that was interrupted or could not go on.

@@ -20,13 +20,11 @@ pub struct Sizes {
     pub duration: (f64, f64),
 }
 
-/// Parameters of an effect by name, internal units; amplitude first. `None`: the suite has no such effect.
-pub fn parameters(
-    effect: &str,
-    strength: f64,
-    sizes: &Sizes,
-    random: &mut Random,
-) -> Option<Vec<(&'static str, f64)>> {
+/// Parameters by name, internal units.
+pub type Parameters = Vec<(&'static str, f64)>;
+
+/// Parameters of an effect; amplitude first. `None`: the suite has no such effect.
+pub fn parameters(effect: &str, strength: f64, sizes: &Sizes, random: &mut Random) -> Option<Parameters> {
     let sign = if random.uniform() < 0.5 { -1.0 } else { 1.0 };
     let a = strength * about_one(random, 0.15);
     bulk(effect, a, sign, sizes, random)
@@ -34,9 +32,7 @@ pub fn parameters(
         .or_else(|| rig(effect, a, sign, sizes, random))
 }
 
-type Parameters = Option<Vec<(&'static str, f64)>>;
-
-fn bulk(effect: &str, a: f64, sign: f64, s: &Sizes, random: &mut Random) -> Parameters {
+fn bulk(effect: &str, a: f64, sign: f64, s: &Sizes, random: &mut Random) -> Option<Parameters> {
     let stretch = 1.0 + s.uniaxial.0 / s.geometry.length;
     let (strain, energy) = s.tissue.fibre(stretch);
     let volume = s.geometry.length * s.geometry.width * s.geometry.thickness;
@@ -60,7 +56,7 @@ fn bulk(effect: &str, a: f64, sign: f64, s: &Sizes, random: &mut Random) -> Para
     })
 }
 
-fn interface(effect: &str, a: f64, sign: f64, s: &Sizes, random: &mut Random) -> Parameters {
+fn interface(effect: &str, a: f64, sign: f64, s: &Sizes, random: &mut Random) -> Option<Parameters> {
     let (delta_c, sigma_c) = (s.tissue.delta_c(), s.tissue.mean_sigma_c());
     Some(match effect {
         "law_shape" => vec![("n", (sign * 0.15 * a).exp())],
@@ -75,7 +71,7 @@ fn interface(effect: &str, a: f64, sign: f64, s: &Sizes, random: &mut Random) ->
     })
 }
 
-fn rig(effect: &str, a: f64, sign: f64, s: &Sizes, random: &mut Random) -> Parameters {
+fn rig(effect: &str, a: f64, sign: f64, s: &Sizes, random: &mut Random) -> Option<Parameters> {
     let low = s.uniaxial.1.min(s.tearing.1);
     Some(match effect {
         "compliance" => vec![("c", 0.06 * a * s.uniaxial.0 / s.uniaxial.1)],

@@ -2,7 +2,7 @@
 //! records with and without what is hidden, adds noise, and says what the records could show.
 
 use crate::GenerateError;
-use crate::amplitude::{self, Sizes};
+use crate::amplitude::{self, Parameters, Sizes};
 use crate::draw::{self, Tissue, between};
 use crate::files::{self, Truth};
 use crate::forward::{self, Computed, Fineness, add_effect, compute, probe, refine};
@@ -32,7 +32,7 @@ const CAMERA_SD: f64 = 0.005;
 #[derive(Clone, Debug)]
 struct Secret {
     /// (name in the truth, strength, parameters).
-    parts: Vec<(String, f64, Vec<(&'static str, f64)>)>,
+    parts: Vec<(String, f64, Parameters)>,
     outside: Option<Outside>,
 }
 

@@ -1,7 +1,7 @@
 //! `hidden`: makes the cases, diagnoses them, writes docs/hidden.md. `just hidden` does all three.
 
 use clap::{Parser, ValueEnum};
-use hidden_suite::forward::{Fineness, catalogue};
+use hidden_suite::forward::Fineness;
 use hidden_suite::spec::{Spec, suite};
 use hidden_suite::{generate::generate, report, run};
 use std::collections::BTreeMap;
@@ -51,7 +51,7 @@ struct Args {
 
 fn main() -> ExitCode {
     let args = Args::parse();
-    let specs: Vec<Spec> = suite(&catalogue())
+    let specs: Vec<Spec> = suite(&effects::catalogue())
         .into_iter()
         .step_by(args.every.max(1))
         .filter(|s| args.only.is_empty() || args.only.contains(&s.name))

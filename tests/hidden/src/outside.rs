@@ -1,7 +1,7 @@
 //! Effects that the catalogue does not hold: what a laboratory meets and nobody wrote down. Four falsify a computed
 //! record, one is a law on the tear path.
 
-use crate::amplitude::Sizes;
+use crate::amplitude::{Parameters, Sizes};
 use crate::draw::{about_one, between};
 use effects::decorator::{Call, Decoration, decorate};
 use input::{Record, TestKind};
@@ -25,9 +25,6 @@ pub enum Outside {
     /// A linear suture near the mouth of the cut, which never lets go.
     Suture,
 }
-
-/// Parameters of an outside effect, by name.
-pub type Parameters = Vec<(&'static str, f64)>;
 
 impl Outside {
     /// All of them.

@@ -73,7 +73,7 @@ pub fn hideable(catalogue: &Catalogue) -> Vec<String> {
     catalogue.iter().map(|e| e.card()).filter(|c| !c.negative_control).map(|c| c.name.to_owned()).collect()
 }
 
-/// The whole suite, always the same.
+/// The whole suite, always the same: of the product's catalogue, not the generator's.
 pub fn suite(catalogue: &Catalogue) -> Vec<Spec> {
     let both = [Protocol::Paper, Protocol::Rich];
     let mut list: Vec<(Protocol, Hidden)> = Vec::new();

@@ -4,7 +4,7 @@ use super::identify::identify;
 use crate::outcome::{Failure, Outcome};
 use crate::session::{Session, file_name};
 use ::report::answer::{IdentifyAnswer, SCHEMA};
-use ::report::terminal;
+use ::report::{html, terminal, write_atomic};
 use rayon::prelude::*;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -28,14 +28,12 @@ type Failed = (PathBuf, Box<Failure>);
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
     let base = session.common.out.clone().unwrap_or_else(|| "runs".into());
     let places = places(&arguments.files, &base, session);
-    let results: Vec<Result<IdentifyAnswer, Failed>> = places
+    let results: Vec<Result<(IdentifyAnswer, PathBuf), Failed>> = places
         .into_par_iter()
         .map(|(file, read)| {
             let (case, place) = read.map_err(|e| (file.clone(), Box::new(e)))?;
             let progress = session.progress(&case.name);
-            identify(&case, &place, session, &progress)
-                .map(|(answer, _)| answer)
-                .map_err(|e| (file, Box::new(e)))
+            identify(&case, &place, session, &progress).map_err(|e| (file, Box::new(e)))
         })
         .collect();
     let (mut answers, mut failed) = (Vec::new(), Vec::new());
@@ -45,7 +43,12 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
             Err(failure) => failed.push(failure),
         }
     }
-    tell(&answers, failed, session)
+    if !answers.is_empty() {
+        overview(&base, &answers, &failed)?;
+    }
+    let (answers, page): (Vec<IdentifyAnswer>, _) =
+        (answers.into_iter().map(|a| a.0).collect(), base.join("batch.html"));
+    tell(&answers, failed, &page, session)
 }
 
 type Read = (PathBuf, Result<(std::sync::Arc<input::Case>, PathBuf), Failure>);
@@ -68,7 +71,24 @@ fn places(files: &[PathBuf], base: &Path, session: &Session) -> Vec<Read> {
         .collect()
 }
 
-fn tell(answers: &[IdentifyAnswer], failed: Vec<Failed>, session: &Session) -> Result<Outcome, Failure> {
+/// `batch.html` beside the run directories: all specimens on one page.
+fn overview(base: &Path, answers: &[(IdentifyAnswer, PathBuf)], failed: &[Failed]) -> Result<(), Failure> {
+    let link = |place: &PathBuf| {
+        let folder = place.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+        format!("{folder}/report.html")
+    };
+    let specimens: Vec<_> = answers.iter().map(|(a, place)| (a.clone(), link(place))).collect();
+    let failed: Vec<_> = failed.iter().map(|(f, e)| (f.display().to_string(), e.message.clone())).collect();
+    write_atomic(&base.join("batch.html"), html::batch_page(&specimens, &failed).as_bytes())?;
+    Ok(())
+}
+
+fn tell(
+    answers: &[IdentifyAnswer],
+    failed: Vec<Failed>,
+    page: &Path,
+    session: &Session,
+) -> Result<Outcome, Failure> {
     let rows = terminal::batch_rows(answers);
     let mut text = terminal::batch(&rows, session.style());
     text.push('\n');
@@ -82,6 +102,7 @@ fn tell(answers: &[IdentifyAnswer], failed: Vec<Failed>, session: &Session) -> R
         let message = failed.iter().map(|f| f.1.message.clone()).collect::<Vec<_>>().join("\n");
         return Err(Failure { code: 2, message, json });
     }
+    text.push_str(&format!("Page: {}\n", page.display()));
     let mut outcome = Outcome::new(&json, text)?;
     if !failed.is_empty() {
         outcome.partial = Some(format!("{} of {} files failed", failed.len(), failed.len() + answers.len()));

@@ -2,7 +2,7 @@
 
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
-use ::report::{terminal, write_atomic};
+use ::report::{StoredRun, html, terminal, write_atomic};
 use std::path::PathBuf;
 
 /// Arguments of `fct diagnose`.
@@ -26,6 +26,11 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let outcome = Outcome::new(&answer, String::new())?;
     if arguments.run.is_dir() {
         write_atomic(&arguments.run.join("diagnosis.json"), format!("{:#}\n", outcome.json).as_bytes())?;
+        // The page answers what is missing as soon as that is known.
+        if let Ok(run) = StoredRun::read(&arguments.run) {
+            let page = html::page(&run, &run.path)?;
+            write_atomic(&arguments.run.join("report.html"), page.as_bytes())?;
+        }
     }
     let text = terminal::discover(&outcome.json, session.style());
     Ok(Outcome { text, ..outcome })

@@ -1,5 +1,6 @@
 //! `fct discover`: the whole loop until the record is explained, or honestly not.
 
+use super::rungs;
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
 use ::report::{RunDir, store_discover, terminal};
@@ -28,9 +29,12 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let progress = session.progress(&case.name);
     let answer =
         analysis::discover(case.clone(), &session.catalogue, &|s| progress.note(s), &|| session.cancelled())?;
+    progress.note("curves and intervals of every rung, on the file's mesh");
+    let top = rungs::store(&dir, &case, &answer, session)?;
     drop(progress);
     let info = session.info("discover", &case, !session.cancelled());
-    let json = store_discover(&dir, &case, &answer, &info)?;
+    let top = top.as_ref().map(|t| (&t.done, t.replayed.as_slice(), &t.answer));
+    let json = store_discover(&dir, &case, &answer, top, &info)?;
     let place = dir.finish()?;
     let mut text = terminal::discover(&json, session.style());
     text.push_str(&format!("Run directory: {}\n", place.display()));

@@ -13,6 +13,7 @@ pub mod identify;
 pub mod ladder;
 pub mod new;
 pub mod report;
+mod rungs;
 pub mod simulate;
 
 use crate::cli::Command;

@@ -100,3 +100,24 @@ pub fn timeless(mut value: Value) -> Value {
     strip(&mut value);
     value
 }
+
+/// Sources of the book.
+pub const BOOK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/book/src");
+
+/// Fenced blocks of a page: what stands after the fence, and the lines.
+pub fn blocks(text: &str) -> Vec<(String, Vec<String>)> {
+    let mut out: Vec<(String, Vec<String>)> = Vec::new();
+    let mut open = false;
+    for line in text.lines() {
+        match (line.strip_prefix("```"), open) {
+            (Some(head), false) => {
+                out.push((head.to_owned(), Vec::new()));
+                open = true;
+            }
+            (Some(_), true) => open = false,
+            (None, true) => out.last_mut().into_iter().for_each(|b| b.1.push(line.to_owned())),
+            (None, false) => {}
+        }
+    }
+    out
+}

@@ -2,6 +2,7 @@
 
 mod bulk;
 mod path;
+mod picture;
 mod points;
 mod vtu;
 
@@ -92,4 +93,9 @@ pub fn write_fields(dir: &RunDir, all: &[(String, Vec<Snapshot>)]) -> Result<(),
         dir.write(format!("fields/{test}.pvd"), collection(&entries).as_bytes())?;
     }
     Ok(())
+}
+
+/// `figures/<test>-S22.svg`: the deformed strip at the typical points, name and content.
+pub fn pictures(all: &[(String, Vec<Snapshot>)]) -> Vec<(String, String)> {
+    all.iter().filter_map(|(test, s)| Some((format!("{test}-S22"), picture::svg(test, s)?))).collect()
 }

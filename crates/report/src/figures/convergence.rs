@@ -45,8 +45,8 @@ fn steps(history: &[StageHistory]) -> Vec<Step<'_>> {
     out
 }
 
-/// First, middle and last area, as in the paper, and everything that is no area.
-fn shown(a: &IdentifyAnswer) -> Vec<(String, f64)> {
+/// First, middle and last area, as in the paper, and everything that is no area, with final values.
+pub fn shown_parameters(a: &IdentifyAnswer) -> Vec<(String, f64)> {
     let areas = a.parameters.iter().filter_map(|p| area_of(&p.path)).max().map_or(0, |m| m + 1);
     let wanted = [0, areas / 2, areas.saturating_sub(1)];
     let keep = |path: &str| area_of(path).is_none_or(|i| wanted.contains(&i));
@@ -58,7 +58,7 @@ fn shown(a: &IdentifyAnswer) -> Vec<(String, f64)> {
 }
 
 fn parameters(area: &Area, a: &IdentifyAnswer, steps: &[Step]) -> Drawn {
-    let series: Vec<(String, Vec<(f64, f64)>)> = shown(a)
+    let series: Vec<(String, Vec<(f64, f64)>)> = shown_parameters(a)
         .into_iter()
         .map(|(path, end)| {
             let value = |s: &Step| s.history.paths.iter().position(|p| *p == path).map(|i| s.theta[i] / end);

@@ -2,12 +2,18 @@
 
 mod convergence;
 mod curve;
+mod export;
 mod path;
+mod staircase;
 mod style;
 
-pub use style::for_html;
+pub(crate) use convergence::shown_parameters;
+pub use export::{ending, export};
+pub use staircase::figure as staircase;
 
 use crate::answer::IdentifyAnswer;
+use crate::html::{Rung, View};
+use crate::runs::StoredRun;
 use crate::{Curve, ReportError};
 
 /// A figure: name without ending, SVG text.
@@ -30,6 +36,30 @@ pub fn of_identify(answer: &IdentifyAnswer, curves: &[Curve]) -> Result<Vec<Figu
     let mut out = of_curves(curves)?;
     out.extend(path::figure(answer)?);
     out.extend(convergence::figure(answer)?);
+    Ok(out)
+}
+
+/// Every figure of a stored run: redrawn from its answer and curves, pictures of the strip as stored. Of
+/// a search: the last rung and the ladder.
+///
+/// # Errors
+/// If one cannot be drawn.
+pub fn of_run(run: &StoredRun) -> Result<Vec<Figure>, ReportError> {
+    let view = View::of(run, &run.path)?;
+    let mut out = match view.rungs.get(view.shown) {
+        Some(rung) => of_identify(&rung.answer, &rung.curves)?,
+        None => of_curves(&run.curves())?,
+    };
+    let rungs: Vec<(String, f64)> = view.rungs.iter().map(|r| (r.name(), r.rms())).collect();
+    out.extend(staircase(&rungs, view.rungs.first().map_or(0.0, Rung::noise))?);
+    let tests = run.answer.get("tests").and_then(serde_json::Value::as_object);
+    let names = view.rungs.last().map(|r| r.answer.tests.keys().cloned().collect::<Vec<_>>());
+    let names = names.unwrap_or_else(|| tests.into_iter().flat_map(|t| t.keys().cloned()).collect());
+    for name in names.iter().map(|n| format!("{n}-S22")) {
+        if let Ok(svg) = std::fs::read_to_string(run.path.join(format!("figures/{name}.svg"))) {
+            out.push(Figure { name, caption: String::new(), svg });
+        }
+    }
     Ok(out)
 }
 

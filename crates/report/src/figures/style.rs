@@ -35,16 +35,6 @@ pub const SERIES: [RGBColor; 7] = [
 /// Font of all text.
 pub const FONT: &str = "sans-serif";
 
-/// The same figure for a page that may be dark: paper, ink and grid become the page's own colours.
-pub fn for_html(svg: &str) -> String {
-    let code = |c: RGBColor| format!("\"#{:02X}{:02X}{:02X}\"", c.0, c.1, c.2);
-    let body = svg.find("<svg").map_or(svg, |at| &svg[at..]);
-    body.replace(&code(PAPER), "\"none\"")
-        .replace(&code(INK), "\"var(--ink)\"")
-        .replace(&code(FAINT), "\"var(--line)\"")
-        .replace(&code(MEASURED), "\"var(--muted)\"")
-}
-
 /// Least and greatest of some numbers with a margin of 4 % on both sides.
 pub fn span<'a>(values: impl IntoIterator<Item = &'a f64>) -> std::ops::Range<f64> {
     let finite = values.into_iter().filter(|v| v.is_finite());

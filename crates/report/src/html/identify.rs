@@ -1,166 +1,134 @@
-//! The page of an identification.
+//! The page of an identification, a diagnosis or a search.
 
-use super::{Cell, escape, figures, numbers, table};
-use crate::answer::{IdentifyAnswer, ParameterAnswer, TestFit};
-use crate::figures::of_identify;
-use crate::terminal::{SLOPPY_SHOWN, interval, readable_unit, remark, significant};
-use crate::{Curve, ReportError};
+use super::view::{Rung, View};
+use super::{answer, chart, escape, ladder, per_rung, picture, tables};
+use crate::published::area;
 
-/// Verdict, curves, parameters, what is not known.
-pub fn body(a: &IdentifyAnswer, curves: &[Curve]) -> Result<String, ReportError> {
-    let all = of_identify(a, curves)?;
-    let (tests, more): (Vec<_>, Vec<_>) = all.into_iter().partition(|f| a.tests.contains_key(&f.name));
-    Ok([
-        verdict(a),
-        "<h2>Model and record</h2>\n".into(),
-        figures(&tests),
-        fits(a),
-        "<h2>Tear path and search</h2>\n".into(),
-        figures(&more),
-        format!("<p class=\"muted\">{}</p>\n", escape(&a.stopped_because)),
-        "<h2>Parameters</h2>\n".into(),
-        parameters(a),
-        unknown(a),
-        published(a),
-        energies(a),
+/// The first screen, then everything it rests on.
+pub fn body(v: &View) -> String {
+    let shown = v.current().map_or_else(String::new, |r| format!(", shown: {}", shown_name(&r.name())));
+    [
+        format!("<p class=\"muted\">fct {}{shown}</p>\n", escape(&v.run.info.command)),
+        answer::section(v),
+        ladder::staircase(v),
+        curves(v),
+        ladder::effects(v),
+        ladder::residuals(v),
+        path(v),
+        parameters(v),
+        convergence(v),
+        energies(v),
+        pictures(v),
     ]
-    .concat())
+    .concat()
 }
 
-fn verdict(a: &IdentifyAnswer) -> String {
-    let (class, word) = if a.explained {
-        ("good", "The model explains the records.")
-    } else if a.stages.iter().any(|s| !s.converged) {
-        ("bad", "The search did not settle, and what it found does not explain the records.")
-    } else {
-        ("bad", "The model does not explain the records: an effect is missing, or the noise is understated.")
-    };
-    let effects = if a.effects.is_empty() {
-        "base model, no effects".to_owned()
-    } else {
-        format!("with {}", a.effects.join(", "))
-    };
-    let loose = a.parameters.iter().filter(|p| !p.identifiable).count();
-    let boxes = [
-        (significant(a.reduced_chi2_total, 3), "reduced χ², numerical error included (1: at the noise)"),
-        (format!("{} N", significant(a.rms_N, 3)), "rms misfit of the force"),
-        (format!("{} of {}", a.parameters.len() - loose, a.parameters.len()), "parameters identifiable"),
-        (format!("{:.1} s", a.seconds), "computing time"),
-    ];
+/// The name of the rung shown; the page's script keeps it right.
+fn shown_name(name: &str) -> String {
+    format!("<span data-shown>{}</span>", escape(name))
+}
+
+fn curves(v: &View) -> String {
+    let Some(r) = v.current().filter(|r| !r.curves.is_empty()) else { return String::new() };
+    let channels = r.curves.iter().flat_map(|c| {
+        let names = c.columns.iter().filter_map(|(n, _)| n.strip_suffix("_measured_mm"));
+        names.map(|n| {
+            let caption = format!("{}, camera: {} (mm), record and model", c.test, n.replace('_', " "));
+            chart("channel", &format!("{}.{n}", c.test), &caption)
+        })
+    });
+    let charts: String = r
+        .curves
+        .iter()
+        .map(|c| {
+            chart(
+                "test",
+                &c.test,
+                &format!(
+                    "{}: force (N) with ± 2 sd of the noise about the model; below, record − model",
+                    c.test
+                ),
+            )
+        })
+        .chain(channels)
+        .collect();
     format!(
-        "<p class=\"muted\">{}</p>\n<p class=\"verdict {class}\">{word}</p>\n{}",
-        escape(&effects),
-        numbers(&boxes)
+        "<section id=\"curves\"><h2>Record and model: {}</h2>\n<div class=\"tools\"><span>against</span>\
+         <button type=\"button\" data-axis=\"u\" aria-pressed=\"true\">displacement</button>\
+         <button type=\"button\" data-axis=\"t\" aria-pressed=\"false\">time</button>\
+         <span class=\"muted\">drag to zoom, double click to see all</span></div>\n\
+         <div class=\"charts\">\n{charts}</div>\n{}</section>\n",
+        shown_name(&r.name()),
+        per_rung(v, |r| tables::fits(&r.answer))
     )
 }
 
-fn fits(a: &IdentifyAnswer) -> String {
-    let row = |name: &str, unit: &str, t: &TestFit| {
-        vec![
-            Cell::left(name),
-            Cell::number(t.points.to_string()),
-            Cell::number(format!("{} {unit}", significant(t.rms_N, 3))),
-            Cell::number(format!("{} {unit}", significant(t.noise_N, 3))),
-            Cell::number(format!("{:.2} %", 100.0 * t.rms_N / t.peak_N.max(f64::MIN_POSITIVE))),
-            Cell::number(significant(t.reduced_chi2, 3)),
-            Cell::number(significant(t.reduced_chi2_total, 3)),
-            Cell::number(significant(t.objective, 3)),
-        ]
-    };
-    let header = [
-        "test",
-        "points",
-        "rms misfit",
-        "noise",
-        "rms of peak",
-        "reduced χ²",
-        "with numerical error",
-        "f = Σ misfit²",
-    ];
-    let forces = a.tests.iter().map(|(n, t)| row(n, "N", t));
-    table(&header, forces.chain(a.channels.iter().map(|(n, t)| row(n, "mm", t))))
-}
-
-fn parameters(a: &IdentifyAnswer) -> String {
-    let published = a.parameters.iter().any(|p| p.published.is_some());
-    let mut header = vec!["parameter", "value", "unit", "95 % interval"];
-    if published {
-        header.push("published");
-    }
-    header.push("remark");
-    table(&header, a.parameters.iter().map(|p| row(p, published)))
-}
-
-fn row(p: &ParameterAnswer, published: bool) -> Vec<Cell> {
-    let (unit, factor) = readable_unit(&p.path, &p.unit);
-    let show = |x: Option<f64>| x.map_or("…".into(), |x| significant(x * factor, 4));
-    let mut cells = vec![
-        Cell::left(&p.path),
-        Cell::number(show(Some(p.value))),
-        Cell::left(unit),
-        Cell::number(interval(p, factor)),
-    ];
-    if published {
-        cells.push(Cell::number(p.published.map_or(String::new(), |v| significant(v * factor, 4))));
-    }
-    cells.push(Cell::remark(remark(p)));
-    cells
-}
-
-fn unknown(a: &IdentifyAnswer) -> String {
-    if a.sloppy.is_empty() {
+fn path(v: &View) -> String {
+    let has = |r: &Rung| r.answer.parameters.iter().any(|p| area(&p.path).is_some());
+    if !v.rungs.iter().any(has) {
         return String::new();
     }
-    let list =
-        |part: &[String]| -> String { part.iter().map(|s| format!("<li>{}</li>\n", escape(s))).collect() };
-    let (first, rest) = a.sloppy.split_at(a.sloppy.len().min(SLOPPY_SHOWN));
-    let more = if rest.is_empty() {
-        String::new()
-    } else {
-        let n = rest.len();
-        format!("<details><summary>{n} more combinations</summary>\n<ul>\n{}</ul></details>\n", list(rest))
+    let published = v.current().is_some_and(|r| r.answer.published.is_some());
+    let note = if published { "; diamonds: published" } else { "" };
+    let caption = |what: &str| {
+        format!("{what} in each area with 95 % interval (hollow: not fixed by the records{note})")
     };
-    format!("<h2>What the records do not fix</h2>\n<ul>\n{}</ul>\n{more}", list(first))
-}
-
-fn published(a: &IdentifyAnswer) -> String {
-    let Some(p) = &a.published else { return String::new() };
-    let notes: String = p.notes.iter().map(|n| format!("<li>{}</li>\n", escape(n))).collect();
     format!(
-        "<h2>Against published values</h2>\n<p>{}</p>\n<p>{} of {} identifiable parameters have the published value in \
-         their 95 % interval.</p>\n<ul>\n{notes}</ul>\n",
-        escape(&p.source),
-        p.inside,
-        p.compared
+        "<section id=\"path\"><h2>Along the tear path</h2>\n<div class=\"charts\">\n{}{}</div></section>\n",
+        chart("path", "gc", &caption("fracture energy Gc (N/mm)")),
+        chart("path", "sigma_c", &caption("strength σc (MPa)"))
     )
 }
 
-fn energies(a: &IdentifyAnswer) -> String {
-    let header = [
-        "test",
-        "external work",
-        "stored",
-        "tear, recoverable",
-        "tear, lost",
-        "bulk, lost",
-        "rig",
-        "set free in jumps",
-        "gap",
-    ];
-    let rows = a.tests.iter().filter_map(|(name, t)| {
-        let e = t.energy.as_ref()?;
-        let n = |x: f64| Cell::number(significant(x, 4));
-        Some(vec![
-            Cell::left(name),
-            n(e.external_work_Nmm),
-            n(e.stored_Nmm),
-            n(e.cohesive_recoverable_Nmm),
-            n(e.cohesive_dissipated_Nmm),
-            n(e.dissipated_bulk_Nmm),
-            n(e.rig_Nmm),
-            n(e.released_in_jumps_Nmm),
-            Cell::number(format!("{:.3} %", 100.0 * e.closure)),
-        ])
-    });
-    format!("<h2>Energies at the end of each test (N·mm)</h2>\n{}", table(&header, rows))
+fn parameters(v: &View) -> String {
+    let Some(r) = v.current() else { return String::new() };
+    let correlations = per_rung(v, |r| tables::correlations(&r.answer));
+    format!(
+        "<section id=\"parameters\"><h2>Parameters: {}</h2>\n{}<details class=\"correlated\"><summary>Correlations of the \
+         parameters</summary>\n<p class=\"muted\">Near ±1: the records fix a combination of the two, not each of them. Hover for \
+         the pair.</p>\n{correlations}</details>\n{}</section>\n",
+        shown_name(&r.name()),
+        per_rung(v, |r| tables::parameters(&r.answer)),
+        tables::published(&r.answer)
+    )
+}
+
+fn convergence(v: &View) -> String {
+    let Some(a) =
+        v.current().map(|r| &r.answer).filter(|a| a.history.iter().map(|h| h.runs.len()).sum::<usize>() > 4)
+    else {
+        return String::new();
+    };
+    format!(
+        "<section id=\"convergence\"><h2>Convergence</h2>\n<div class=\"charts\">\n{}{}</div>\n<p class=\"muted\">{}</p></section>\n",
+        chart(
+            "values",
+            "values",
+            "parameters over their final values, accepted steps (first, middle and last area)"
+        ),
+        chart("objective", "objective", "objective over its start in each stage, accepted steps"),
+        escape(&a.stopped_because)
+    )
+}
+
+fn energies(v: &View) -> String {
+    if v.rungs.iter().all(|r| r.answer.tests.values().all(|t| t.energy.is_none())) {
+        return String::new();
+    }
+    format!(
+        "<section id=\"energies\"><h2>Energies at the end of each test</h2>\n{}</section>\n",
+        per_rung(v, |r| tables::energies(&r.answer))
+    )
+}
+
+fn pictures(v: &View) -> String {
+    let Some(r) = v.current().filter(|r| !r.pictures.is_empty()) else { return String::new() };
+    let all: String = r
+        .pictures
+        .iter()
+        .map(|(test, svg)| {
+            format!("<figure class=\"strip\"><div class=\"scroll\">{}</div><figcaption>{}: the deformed strip at typical points, true scale</figcaption></figure>\n", picture(svg), escape(test))
+        })
+        .collect();
+    format!("<section id=\"fields\"><h2>The strip: {}</h2>\n{all}</section>\n", escape(&r.name()))
 }

@@ -1,38 +1,79 @@
 //! One self-contained HTML page per run: no network, light and dark, prints well.
+//!
+//! Words and tables are plain HTML; charts are drawn by uPlot (MIT, `assets/uPlot.LICENSE`) from the
+//! JSON that `data` puts into the page.
 
+mod answer;
+mod batch;
+mod data;
 mod identify;
+mod ladder;
+mod place;
 mod simulate;
+mod tables;
+mod view;
 
-use crate::figures::{Figure, for_html};
+pub use batch::page as batch_page;
+pub use view::{Rung, View};
+
 use crate::runs::StoredRun;
 use crate::{Curve, ReportError};
 use serde_json::Value;
+use std::path::Path;
 
-const CSS: &str = include_str!("style.css");
+const CSS: &str = concat!(include_str!("../../assets/uPlot.min.css"), "\n", include_str!("style.css"));
+const PLOT: &str = include_str!("../../assets/uPlot.iife.min.js");
+const SCRIPT: &str = concat!(include_str!("charts.js"), include_str!("page.js"));
 
-/// The page of a run.
+/// The page of a run whose files lie in `files` (its own directory, or where it is being written).
 ///
 /// # Errors
-/// If a figure cannot be drawn.
-pub fn page(run: &StoredRun, curves: &[Curve]) -> Result<String, ReportError> {
-    let body = match (run.identify(), run.simulate()) {
-        (Some(answer), _) => identify::body(&answer, curves)?,
-        (_, Some(answer)) => simulate::body(&answer, curves)?,
-        _ => unfinished(run),
-    };
+/// If what was stored cannot be shown.
+pub fn page(run: &StoredRun, files: &Path) -> Result<String, ReportError> {
+    if let Some(answer) = run.simulate() {
+        let curves: Vec<Curve> = StoredRun { path: files.to_owned(), ..run.clone() }.curves();
+        let pictures = simulate::pictures(&answer, files);
+        return Ok(shell(run, &simulate::body(&answer, &curves, &pictures), &data::of_curves(&curves)));
+    }
+    view_page(&View::of(run, files)?)
+}
+
+/// One page over several runs of a specimen: their ladder.
+///
+/// # Errors
+/// If one of them is no identification of the same specimen.
+pub fn runs_page(runs: &[StoredRun]) -> Result<String, ReportError> {
+    view_page(&View::of_runs(runs)?)
+}
+
+fn view_page(v: &View) -> Result<String, ReportError> {
+    let body =
+        if v.rungs.is_empty() && v.diagnosis.is_none() { unfinished(&v.run) } else { identify::body(v) };
+    Ok(shell(&v.run, &body, &data::of(v)))
+}
+
+fn shell(run: &StoredRun, body: &str, data: &Value) -> String {
     let name = text(run, "specimen");
     let provenance = text(run, "provenance");
     let synthetic = provenance.to_lowercase().starts_with("synthetic");
     let badge = if synthetic { "<span class=\"badge\">synthetic records</span>" } else { "" };
-    Ok(format!(
+    let title = format!("{name} – fct {}", run.info.command);
+    let head = format!("<h1>{}{badge}</h1>\n", escape(&name));
+    document(&title, &format!("{head}{body}{}", origin(run, &provenance)), data)
+}
+
+/// A whole document with style, script and data in it.
+fn document(title: &str, body: &str, data: &Value) -> String {
+    // `</` would end the script element.
+    let data = data.to_string().replace("</", "<\\/");
+    format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{name} – fct {command}</title>\n<style>\n{CSS}</style>\n</head>\n<body>\n<main>\n\
-         <h1>{name}{badge}</h1>\n{body}{origin}</main>\n</body>\n</html>\n",
-        name = escape(&name),
-        command = escape(&run.info.command),
-        origin = origin(run, &provenance),
-    ))
+         <meta name=\"color-scheme\" content=\"light dark\">\n\
+         <title>{}</title>\n<style>\n{CSS}</style>\n</head>\n<body>\n<main>\n{body}</main>\n\
+         <script type=\"application/json\" id=\"data\">{data}</script>\n<script>\n{PLOT}\n{SCRIPT}</script>\n</body>\n</html>\n",
+        escape(title)
+    )
 }
 
 fn text(run: &StoredRun, key: &str) -> String {
@@ -53,8 +94,16 @@ fn origin(run: &StoredRun, provenance: &str) -> String {
     });
     let provenance = if provenance.is_empty() { "not stated in the specimen file" } else { provenance };
     let input = std::path::absolute(&run.path).unwrap_or_else(|_| run.path.clone()).join("run.toml");
+    let seconds = run.answer.get("seconds").and_then(Value::as_f64);
+    let runs = run.answer.get("forward_runs").and_then(Value::as_u64);
+    let cost = match (seconds, runs) {
+        (Some(s), Some(n)) => format!(" {n} model runs, {s:.0} s."),
+        (Some(s), None) => format!(" {s:.1} s."),
+        _ => String::new(),
+    };
     format!(
-        "<h2>Where this comes from</h2>\n<p>{}</p>\n{}<p>fct {}. To reproduce:</p>\n<pre>fct {} {}</pre>\n",
+        "<section id=\"origin\"><h2>Where this comes from</h2>\n<p>{}</p>\n{}<p>fct {}.{cost} To reproduce:</p>\n\
+         <pre>fct {} {}</pre>\n<p class=\"muted\">Charts: uPlot 1.6.32, © Leon Sorokin, MIT licence.</p></section>\n",
         escape(provenance),
         table(&["file", "SHA-256 (first 16)"], files),
         escape(&run.info.version),
@@ -74,21 +123,46 @@ fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
+/// A command line.
+fn code(text: &str) -> String {
+    format!("<code>{}</code>", escape(text))
+}
+
+/// A part that every rung has for itself; the page shows the chosen one.
+fn per_rung(v: &View, part: impl Fn(&Rung) -> String) -> String {
+    let one = |(k, r): (usize, &Rung)| {
+        let hidden = if k == v.shown { "" } else { " hidden" };
+        format!("<div data-of=\"{k}\"{hidden}>\n{}</div>\n", part(r))
+    };
+    v.rungs.iter().enumerate().map(one).collect()
+}
+
 /// A cell of a table.
 struct Cell {
     text: String,
     class: &'static str,
+    share: Option<f64>,
 }
 
 impl Cell {
     fn left(text: impl Into<String>) -> Self {
-        Self { text: text.into(), class: "" }
+        Self { text: text.into(), class: "", share: None }
     }
     fn number(text: impl Into<String>) -> Self {
-        Self { text: text.into(), class: "n" }
+        Self { text: text.into(), class: "n", share: None }
     }
     fn remark(text: impl Into<String>) -> Self {
-        Self { text: text.into(), class: "remark" }
+        Self { text: text.into(), class: "remark", share: None }
+    }
+    /// A share with a bar.
+    fn share(x: f64) -> Self {
+        Self { text: format!("{:.0} %", 100.0 * x), class: "", share: Some(x) }
+    }
+    fn html(&self) -> String {
+        let bar = self.share.map_or(String::new(), |x| {
+            format!("<span class=\"fall\"><span style=\"--share:{:.4}\"></span></span> ", x.clamp(0.0, 1.0))
+        });
+        format!("<td class=\"{}\">{bar}{}</td>", self.class, escape(&self.text))
     }
 }
 
@@ -103,33 +177,24 @@ fn table(header: &[&str], rows: impl Iterator<Item = Vec<Cell>>) -> String {
         .collect();
     let body: String = rows
         .iter()
-        .map(|row| {
-            let cells: String =
-                row.iter().map(|c| format!("<td class=\"{}\">{}</td>", c.class, escape(&c.text))).collect();
-            format!("<tr>{cells}</tr>\n")
-        })
+        .map(|row| format!("<tr>{}</tr>\n", row.iter().map(Cell::html).collect::<String>()))
         .collect();
     format!(
         "<div class=\"scroll\"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody>\n</table></div>\n"
     )
 }
 
-/// Figures side by side where there is room.
-fn figures(list: &[Figure]) -> String {
-    let all: String = list
-        .iter()
-        .map(|f| {
-            format!("<figure>{}<figcaption>{}</figcaption></figure>\n", for_html(&f.svg), escape(&f.caption))
-        })
-        .collect();
-    format!("<div class=\"figures\">\n{all}</div>\n")
+/// A stored picture for a page that may be dark: its paper is the page's own, and its text too.
+fn picture(svg: &str) -> String {
+    let body = svg.find("<svg").map_or(svg, |at| &svg[at..]);
+    body.replace("fill=\"#FFFFFF\"", "fill=\"none\"").replace("fill=\"#222226\"", "fill=\"currentColor\"")
 }
 
-/// Numbers in boxes: (number, what it is).
-fn numbers(list: &[(String, &str)]) -> String {
-    let all: String = list
-        .iter()
-        .map(|(n, what)| format!("<div><b>{}</b><span>{}</span></div>\n", escape(n), escape(what)))
-        .collect();
-    format!("<div class=\"numbers\">\n{all}</div>\n")
+/// Where a chart is drawn.
+fn chart(kind: &str, name: &str, caption: &str) -> String {
+    format!(
+        "<figure class=\"chart\" data-chart=\"{kind}\" data-name=\"{}\"><figcaption>{}</figcaption></figure>\n",
+        escape(name),
+        escape(caption)
+    )
 }

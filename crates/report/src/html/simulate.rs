@@ -1,13 +1,19 @@
 //! The page of a simulation.
 
-use super::{Cell, escape, figures, table};
+use super::{Cell, chart, escape, picture, table};
+use crate::Curve;
 use crate::answer::SimulateAnswer;
-use crate::figures::of_curves;
 use crate::terminal::significant;
-use crate::{Curve, ReportError};
+use std::path::Path;
 
-/// Curves, jumps, energies.
-pub fn body(a: &SimulateAnswer, curves: &[Curve]) -> Result<String, ReportError> {
+/// Stored pictures of the strip, by test.
+pub fn pictures(a: &SimulateAnswer, files: &Path) -> Vec<(String, String)> {
+    let read = |t: &String| std::fs::read_to_string(files.join(format!("figures/{t}-S22.svg"))).ok();
+    a.tests.keys().filter_map(|t| Some((t.clone(), read(t)?))).collect()
+}
+
+/// Curves, jumps, energies, pictures.
+pub fn body(a: &SimulateAnswer, curves: &[Curve], pictures: &[(String, String)]) -> String {
     let effects = if a.effects.is_empty() {
         "base model, no effects".to_owned()
     } else {
@@ -17,6 +23,26 @@ pub fn body(a: &SimulateAnswer, curves: &[Curve]) -> Result<String, ReportError>
         .stopped_because
         .as_ref()
         .map_or(String::new(), |w| format!("<p class=\"verdict bad\">Ended early: {}</p>\n", escape(w)));
+    let charts: String = curves
+        .iter()
+        .filter(|c| c.time.len() > 1)
+        .map(|c| chart("test", &c.test, &format!("{}: computed force (N)", c.test)))
+        .collect();
+    let strips: String = pictures
+        .iter()
+        .map(|(t, svg)| format!("<figure class=\"strip\"><div class=\"scroll\">{}</div><figcaption>{}: the deformed strip at typical points, true scale</figcaption></figure>\n", picture(svg), escape(t)))
+        .collect();
+    format!(
+        "<p class=\"muted\">Simulation, {}</p>\n{early}<section id=\"curves\"><h2>Curves</h2>\n<div class=\"tools\">\
+         <span>against</span><button type=\"button\" data-axis=\"u\" aria-pressed=\"true\">displacement</button>\
+         <button type=\"button\" data-axis=\"t\" aria-pressed=\"false\">time</button></div>\n\
+         <div class=\"charts\">{charts}</div>\n{}</section>\n{strips}",
+        escape(&effects),
+        tests(a)
+    )
+}
+
+fn tests(a: &SimulateAnswer) -> String {
     let header = [
         "test",
         "steps",
@@ -40,10 +66,5 @@ pub fn body(a: &SimulateAnswer, curves: &[Curve]) -> Result<String, ReportError>
             Cell::number(format!("{:.3} %", 100.0 * t.energy.closure)),
         ]
     });
-    Ok(format!(
-        "<p class=\"muted\">Simulation, {}</p>\n{early}<h2>Curves</h2>\n{}{}",
-        escape(&effects),
-        figures(&of_curves(curves)?),
-        table(&header, rows)
-    ))
+    table(&header, rows)
 }

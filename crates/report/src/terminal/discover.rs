@@ -1,117 +1,134 @@
 //! Tables of compare, diagnose and discover, from their JSON answers.
 
-use super::Style;
+use super::{Style, WIDTH, significant, table, wrap};
+use crate::peek::{list, number, rows, text, yes};
 use serde_json::Value;
 use std::fmt::Write;
 
-fn text<'a>(v: &'a Value, key: &str) -> &'a str {
-    v.get(key).and_then(Value::as_str).unwrap_or("")
+/// Segments that are named.
+const PLACES: usize = 6;
+/// Columns of a bar.
+const BAR: f64 = 12.0;
+
+fn shown(x: Option<f64>, digits: i32) -> String {
+    x.map_or_else(|| "–".into(), |x| significant(x, digits))
 }
 
-fn number(v: &Value, key: &str) -> Option<f64> {
-    v.get(key).and_then(Value::as_f64)
+/// Sentences, each broken at the width of a terminal.
+fn sentences(out: &mut String, all: &[String]) {
+    for sentence in all {
+        // Writing to a String cannot fail.
+        let _ = writeln!(out, "{}", wrap(sentence, usize::from(WIDTH), 0));
+    }
 }
 
-fn list(v: &Value, key: &str) -> Vec<String> {
-    let items = v.get(key).and_then(Value::as_array);
-    items.into_iter().flatten().filter_map(|x| x.as_str().map(str::to_owned)).collect()
-}
-
-fn rows<'a>(v: &'a Value, key: &str) -> &'a [Value] {
-    v.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
-}
-
-fn shown(x: Option<f64>, digits: usize) -> String {
-    x.map_or_else(|| "-".into(), |x| format!("{x:.digits$}"))
+/// A verdict in its colour.
+fn verdict(answer: &Value, style: Style) -> String {
+    let word = text(answer, "verdict").replace('_', " ");
+    match word.as_str() {
+        "nothing missing" | "explained" => style.good(&word),
+        "ambiguous" => style.notice(&word),
+        _ => style.bad(&word),
+    }
 }
 
 /// Verdict, ladder and screen of `fct discover` and `fct diagnose`.
-pub fn discover(answer: &Value, _style: Style) -> String {
+pub fn discover(answer: &Value, style: Style) -> String {
     let mut out = String::new();
-    let _ = writeln!(out, "{}: {}", text(answer, "specimen"), text(answer, "verdict").replace('_', " "));
-    for sentence in list(answer, "words") {
-        let _ = writeln!(out, "{sentence}");
+    let _ = writeln!(out, "{}: {}", style.bold(text(answer, "specimen")), verdict(answer, style));
+    if text(answer, "provenance").to_lowercase().starts_with("synthetic") {
+        let _ = writeln!(out, "{}", style.notice("The records are synthetic, not measured."));
     }
-    let ladder = rows(answer, "ladder");
-    if !ladder.is_empty() {
-        let _ = writeln!(
-            out,
-            "\n{:<40} {:>6} {:>10} {:>9} {:>9} {:>10}",
-            "effects", "param.", "rms N", "red. χ²", "+ mesh", "BIC"
-        );
-        for r in ladder {
-            let names = list(r, "effects");
-            let name = if names.is_empty() { "(base)".to_owned() } else { names.join(" + ") };
-            let _ = writeln!(
-                out,
-                "{:<40} {:>6} {:>10} {:>9} {:>9} {:>10}",
-                name,
-                shown(number(r, "parameters"), 0),
-                shown(number(r, "rms_N"), 5),
-                shown(number(r, "reduced_chi2"), 2),
-                shown(number(r, "reduced_chi2_total"), 2),
-                shown(number(r, "bic"), 0)
-            );
-        }
+    sentences(&mut out, &list(answer, "words"));
+    if !rows(answer, "ladder").is_empty() {
+        let _ = writeln!(out, "\n{}\n{}", style.bold("Ladder"), ladder(rows(answer, "ladder")));
     }
-    let _ = writeln!(
-        out,
-        "\n{:<26} {:>6} {:>9} {:>8}  look-alikes",
-        "screen of the catalogue", "fall", "p", "visible"
-    );
-    for r in rows(answer, "screen") {
-        let p = number(r, "p_value").map_or_else(|| "-".into(), |p| format!("{p:.0e}"));
-        let visible = if r.get("visible").and_then(Value::as_bool) == Some(true) { "yes" } else { "no" };
-        let fall = number(r, "expected_fall").map_or_else(|| "-".into(), |f| format!("{:.0} %", 100.0 * f));
-        let alike = list(r, "look_alikes").join(", ");
-        let _ = writeln!(out, "{:<26} {fall:>6} {p:>9} {visible:>8}  {alike}", text(r, "effect"));
-    }
-    places(answer, &mut out);
+    let _ = writeln!(out, "\n{}\n{}", style.bold("Screen of the catalogue"), screen(answer));
+    places(answer, style, &mut out);
     if let Some(next) = answer.get("next_test").filter(|n| !n.is_null()) {
-        let _ =
-            writeln!(out, "\nTo separate {}: {}", list(next, "separates").join(", "), text(next, "proposal"));
+        let line = format!("To separate {}: {}", list(next, "separates").join(", "), text(next, "proposal"));
+        let _ = writeln!(out, "\n{}", wrap(&line, usize::from(WIDTH), 2));
     }
     out
 }
 
-fn places(answer: &Value, out: &mut String) {
+fn ladder(rungs: &[Value]) -> String {
+    let most = rungs.iter().filter_map(|r| number(r, "rms_N")).fold(f64::MIN_POSITIVE, f64::max);
+    let lines = rungs.iter().map(|r| {
+        let names = list(r, "effects");
+        let share = number(r, "rms_N").unwrap_or(0.0) / most;
+        vec![
+            if names.is_empty() { "base".to_owned() } else { names.join(" + ") },
+            number(r, "parameters").map_or_else(String::new, |n| format!("{n:.0}")),
+            shown(number(r, "rms_N"), 3),
+            "█".repeat((share * BAR).round().max(1.0) as usize),
+            shown(number(r, "held_out_rms_N"), 3),
+            shown(number(r, "reduced_chi2"), 3),
+            shown(number(r, "reduced_chi2_total"), 3),
+            shown(number(r, "bic"), 5),
+        ]
+    });
+    let header = ["effects", "param.", "rms (N)", "", "held out (N)", "χ²/ν", "with num. error", "BIC"];
+    table(&header, &[0, 3], lines.collect())
+}
+
+fn screen(answer: &Value) -> String {
+    let lines = rows(answer, "screen").iter().map(|r| {
+        let fall = number(r, "expected_fall").unwrap_or(0.0);
+        let alike = list(r, "look_alikes");
+        let more = if alike.len() > 3 { format!(", {} more", alike.len() - 3) } else { String::new() };
+        let mark = if yes(r, "significant") { "●" } else { " " };
+        vec![
+            mark.to_owned(),
+            text(r, "effect").to_owned(),
+            format!("{:.0} %", 100.0 * fall),
+            "█".repeat((fall.clamp(0.0, 1.0) * BAR).round() as usize),
+            number(r, "p_value").map_or_else(|| "–".into(), |p| format!("{p:.0e}")),
+            if yes(r, "visible") { "yes" } else { "no" }.to_owned(),
+            format!("{}{more}", alike.iter().take(3).cloned().collect::<Vec<_>>().join(", ")),
+        ]
+    });
+    let header = ["", "effect", "χ² falls by", "", "p", "visible", "look-alikes"];
+    table(&header, &[0, 1, 3, 6], lines.collect())
+}
+
+fn places(answer: &Value, style: Style, out: &mut String) {
     let place = rows(answer, "where");
-    if !place.is_empty() {
-        let _ = writeln!(out, "\nwhere the base model is off");
-        for r in place.iter().take(6) {
-            let share = 100.0 * number(r, "share").unwrap_or(0.0);
-            let _ =
-                writeln!(out, "  {:<16} {:<14} {share:>5.0} % of χ²", text(r, "test"), text(r, "segment"));
-        }
+    if place.is_empty() {
+        return;
+    }
+    let _ = writeln!(out, "\n{}", style.bold("Where the base model is off"));
+    for r in place.iter().take(PLACES) {
+        let share = number(r, "share").unwrap_or(0.0);
+        let bar = "█".repeat((share * 2.0 * BAR).round() as usize);
+        let (test, segment) = (text(r, "test"), text(r, "segment"));
+        let _ = writeln!(out, "  {test:<16} {segment:<14} {:>4.0} % of χ²  {bar}", 100.0 * share);
     }
 }
 
 /// Distance per test and where it sits.
-pub fn compare(answer: &Value, _style: Style) -> String {
+pub fn compare(answer: &Value, style: Style) -> String {
     let mut out = String::new();
-    let explained = answer.get("explained").and_then(Value::as_bool) == Some(true);
-    let verdict = if explained { "explained: the misfit is at the noise floor" } else { "not explained" };
-    let _ = writeln!(out, "{}: {verdict}", text(answer, "specimen"));
-    let _ = writeln!(
-        out,
-        "\n{:<28} {:>6} {:>12} {:>12} {:>9} {:>9}",
-        "test", "points", "rms", "noise", "red. χ²", "+ mesh"
-    );
-    for r in rows(answer, "tests") {
-        let _ = writeln!(
-            out,
-            "{:<28} {:>6} {:>12} {:>12} {:>9} {:>9}",
-            text(r, "name"),
-            shown(number(r, "points"), 0),
-            shown(number(r, "rms"), 6),
-            shown(number(r, "noise"), 6),
-            shown(number(r, "reduced_chi2"), 2),
-            shown(number(r, "reduced_chi2_total"), 2)
-        );
-    }
-    places(answer, &mut out);
-    for sentence in list(answer, "words") {
-        let _ = writeln!(out, "{sentence}");
-    }
+    let word = if yes(answer, "explained") {
+        style.good("explained: the misfit is at the noise floor")
+    } else {
+        style.bad("not explained")
+    };
+    let _ = writeln!(out, "{}: {word}\n", style.bold(text(answer, "specimen")));
+    let lines = rows(answer, "tests").iter().map(|r| {
+        vec![
+            text(r, "name").to_owned(),
+            number(r, "points").map_or_else(String::new, |n| format!("{n:.0}")),
+            shown(number(r, "rms"), 3),
+            shown(number(r, "noise"), 3),
+            shown(number(r, "reduced_chi2"), 3),
+            shown(number(r, "reduced_chi2_total"), 3),
+        ]
+    });
+    let header = ["test", "points", "rms (N)", "noise (N)", "χ²/ν", "with num. error"];
+    let _ = writeln!(out, "{}", table(&header, &[0], lines.collect()));
+    places(answer, style, &mut out);
+    out.push('\n');
+    sentences(&mut out, &list(answer, "words"));
     out
 }

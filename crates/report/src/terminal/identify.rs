@@ -74,7 +74,7 @@ fn verdict(a: &IdentifyAnswer, style: Style) -> String {
     } else {
         style.bad("the model does not explain the records")
     };
-    format!("{}: {word}, {chi2}", style.bold(&head))
+    format!("{}: {word}\n{chi2}", style.bold(&head))
 }
 
 fn parameter_table(a: &IdentifyAnswer) -> String {

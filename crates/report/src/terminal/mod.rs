@@ -9,6 +9,7 @@ mod simulate;
 pub use discover::{compare, discover};
 pub use identify::identify;
 pub(crate) use identify::{SLOPPY_SHOWN, interval, remark};
+pub(crate) use overview::mean_sd;
 pub use overview::{BatchRow, LadderRow, batch, batch_rows, ladder, ladder_rows};
 pub use plot::sparkline;
 pub use simulate::simulate;

@@ -13,13 +13,13 @@ struct Row {
 
 /// A rate that must reach `least`.
 fn at_least(what: &'static str, part: usize, whole: usize, least: f64) -> Row {
-    let met = (whole > 0).then(|| part as f64 >= least * whole as f64);
+    let met = (whole > 0).then_some(part as f64 >= least * whole as f64);
     Row { what, wanted: format!("≥ {:.0} %", 100.0 * least), measured: share(part, whole), met }
 }
 
 /// A rate that must not exceed `most`.
 fn at_most(what: &'static str, part: usize, whole: usize, most: f64) -> Row {
-    let met = (whole > 0).then(|| part as f64 <= most * whole as f64);
+    let met = (whole > 0).then_some(part as f64 <= most * whole as f64);
     Row { what, wanted: format!("≤ {:.0} %", 100.0 * most), measured: share(part, whole), met }
 }
 

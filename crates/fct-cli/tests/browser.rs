@@ -1,0 +1,209 @@
+//! The report in a real browser: `just browser`. Ignored where nobody asks, for it needs Chromium.
+
+mod common;
+#[path = "common/browser.rs"]
+mod driver;
+
+use common::{BOOK, Tested, blocks, fct, synthetic};
+use driver::Page;
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+/// A ladder of two rungs, as a user makes it.
+fn ladder(here: &Path) -> Tested {
+    for arguments in [
+        &["identify", "fit.toml", "--out", "base"][..],
+        &["add", "compliance", "base", "--out", "more.toml"],
+        &["identify", "more.toml", "--out", "more"],
+        &["diagnose", "base"],
+        &["batch", "fit.toml", "fit.toml", "--out", "batch"],
+    ] {
+        let out = fct(here, &[arguments, &["--quiet"]].concat())?;
+        assert!(out.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&out.stderr));
+    }
+    Ok(())
+}
+
+fn summary(run: &Path) -> Result<serde_json::Value, Box<dyn std::error::Error>> {
+    Ok(serde_json::from_str(&fs::read_to_string(run.join("summary.json"))?)?)
+}
+
+/// The first number in a text, from `after` on.
+fn number(text: &str, after: &str) -> Option<f64> {
+    let rest = text.split_once(after)?.1.trim_start();
+    rest.split_whitespace().next()?.trim_end_matches([',', ';']).parse().ok()
+}
+
+#[test]
+#[ignore = "needs Chromium; `just browser`"]
+fn a_report_is_clicked_and_read() -> Tested {
+    let Some(chromium) = driver::found() else {
+        return Err("no chromium on the path and no $CHROMIUM; on Debian: apt-get install chromium".into());
+    };
+    let folder = synthetic()?;
+    let here = folder.path();
+    ladder(here)?;
+    let mut page = Page::open(&chromium)?;
+    let file = here.join("more/report.html");
+    assert!(fs::metadata(&file)?.len() < 3_000_000);
+    for (width, scheme) in [(1280, "light"), (1280, "dark"), (390, "light"), (390, "dark")] {
+        page.load(&file, width, scheme)?;
+        page.picture(&format!("report-{width}-{scheme}"), true)?;
+        let scroll = page.ask("document.documentElement.scrollWidth")?.as_u64();
+        assert!(scroll.is_some_and(|w| w <= u64::from(width)), "{scroll:?} px wide at {width}");
+    }
+    page.load(&file, 1280, "light")?;
+    // Five answers without scrolling.
+    let bottom = page.ask("document.querySelector('#answers').getBoundingClientRect().bottom")?.as_f64();
+    assert!(bottom.is_some_and(|b| b < 900.0), "the answers end at {bottom:?}");
+    rungs(&mut page, here)?;
+    hovering(&mut page, here)?;
+    // The page of the diagnosed run names effects; the batch page has its table.
+    page.load(&here.join("base/report.html"), 1280, "light")?;
+    assert!(page.text("#effects")?.contains("compliance"));
+    page.load(&here.join("batch/batch.html"), 1280, "light")?;
+    page.picture("batch", true)?;
+    assert!(page.text("#table")?.contains("0.150"));
+    assert_eq!(page.faults(), Vec::<String>::new());
+    assert_eq!(page.outside(), Vec::<String>::new());
+    Ok(())
+}
+
+/// Each rung shows its own numbers, those of its summary.json.
+fn rungs(page: &mut Page, here: &Path) -> Tested {
+    for (rung, run, name) in [("0", "base", "base model"), ("1", "more", "compliance")] {
+        page.click(&format!("[data-rung='{rung}']"))?;
+        assert_eq!(page.text("#curves h2 [data-shown]")?, name);
+        let answer = summary(&here.join(run))?;
+        let visible = page.text(&format!("#parameters [data-of='{rung}'] table"))?;
+        for p in answer["parameters"].as_array().ok_or("parameters")? {
+            let path = p["path"].as_str().ok_or("path")?;
+            let line = visible
+                .lines()
+                .find(|l| l.starts_with(path))
+                .ok_or_else(|| format!("{path} in {visible}"))?;
+            let shown = number(line, path).ok_or_else(|| format!("a number in {line}"))?;
+            let factor = if path.starts_with("bulk.") && p["unit"] == "MPa" { 1e3 } else { 1.0 };
+            let value = p["value"].as_f64().ok_or("value")? * factor;
+            assert!((shown - value).abs() <= 6e-4 * value.abs(), "{path}: {shown} on the page, {value}");
+        }
+        let misfit = page.text(&format!("[data-rung='{rung}']"))?;
+        let rms = answer["rms_N"].as_f64().ok_or("rms")?;
+        let shown = misfit.lines().find_map(|l| l.strip_suffix(" N")?.parse::<f64>().ok());
+        assert!(shown.is_some_and(|s| (s - rms).abs() < 6e-3 * rms), "{misfit}: {rms}");
+    }
+    Ok(())
+}
+
+/// What stands under the mouse is what the curve's file says.
+fn hovering(page: &mut Page, here: &Path) -> Tested {
+    let chart = "figure[data-name='tearing']";
+    for (axis, at) in [("u", [0.4, 0.4]), ("t", [0.6, 0.5])] {
+        page.click(&format!("[data-axis='{axis}']"))?;
+        page.hover(&format!("{chart} .u-over"), at)?;
+        let told = page.text(&format!("{chart} .readout"))?;
+        let index = page.ask(&format!("document.querySelector(\"{chart}\").dataset.index"))?;
+        let index: usize = index.as_str().ok_or("no point under the mouse")?.parse()?;
+        let curve = fs::read_to_string(here.join("more/curves/tearing.csv"))?;
+        let row = curve.lines().nth(index + 1).ok_or("row")?;
+        let row: Vec<&str> = row.split(',').collect();
+        for (word, column) in [("record", 2), ("model", 3), ("misfit", 4)] {
+            let value: f64 = row[column].parse()?;
+            let shown = number(&told, word).ok_or_else(|| told.clone())?;
+            assert!((shown - value).abs() <= 2e-3 * value.abs() + 2e-6, "{told}: {word} {value}");
+        }
+        assert!(told.ends_with(row[5]), "{told}: {}", row[5]);
+    }
+    Ok(())
+}
+
+#[test]
+#[ignore = "needs Chromium; `just browser`"]
+fn a_search_answers_on_its_first_screen() -> Tested {
+    let chromium = driver::found().ok_or("no chromium on the path and no $CHROMIUM")?;
+    let folder = tempfile::tempdir()?;
+    let here = folder.path();
+    // The specimen of the tutorial: it relaxes.
+    for (head, lines) in blocks(&fs::read_to_string(Path::new(BOOK).join("tutorial.md"))?) {
+        if let Some(file) = head.strip_prefix("toml ") {
+            fs::write(here.join(file), lines.join("\n"))?;
+        }
+    }
+    for arguments in [
+        &["simulate", "secret.toml", "--out", "measured"][..],
+        &["discover", "strip.toml", "--out", "search"],
+    ] {
+        let out = fct(here, &[arguments, &["--quiet"]].concat())?;
+        assert!(out.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&out.stderr));
+    }
+    let file = here.join("search/report.html");
+    assert!(fs::metadata(&file)?.len() < 3_000_000);
+    let mut page = Page::open(&chromium)?;
+    for (width, scheme) in [(390, "dark"), (1280, "dark"), (1280, "light")] {
+        page.load(&file, width, scheme)?;
+        page.picture(&format!("search-{width}-{scheme}"), true)?;
+    }
+    let bottom = page.ask("document.querySelector('#answers').getBoundingClientRect().bottom")?.as_f64();
+    assert!(bottom.is_some_and(|b| b < 900.0), "the answers end at {bottom:?}");
+    let answers = page.text("#answers")?;
+    for word in
+        ["Yes, with viscoelastic", "hold 1", "Missing was viscoelastic", "viscoelastic.g =", "fct identify"]
+    {
+        assert!(answers.contains(word), "{word} in\n{answers}");
+    }
+    // The ladder's numbers are those of the search; its rungs switch the curves.
+    let answer = summary(&here.join("search"))?;
+    for rung in 0..2 {
+        page.click(&format!("[data-rung='{rung}']"))?;
+        let rms = answer["ladder"][rung]["rms_N"].as_f64().ok_or("rms")?;
+        let text = page.text(&format!("[data-rung='{rung}']"))?;
+        let shown = text.lines().find_map(|l| l.strip_suffix(" N")?.parse::<f64>().ok());
+        assert!(shown.is_some_and(|s| (s - rms).abs() < 6e-3 * rms), "{text}: {rms}");
+        page.hover("figure[data-name='uniaxial'] .u-over", [0.8, 0.3])?;
+        let told = page.text("figure[data-name='uniaxial'] .readout")?;
+        let index = page.ask("document.querySelector(\"figure[data-name='uniaxial']\").dataset.index")?;
+        let index: usize = index.as_str().ok_or("no point under the mouse")?.parse()?;
+        let curve = fs::read_to_string(here.join(format!("search/rungs/{rung}/curves/uniaxial.csv")))?;
+        let row = curve.lines().nth(index + 1).ok_or("row")?;
+        let model: f64 = row.split(',').nth(3).ok_or("model")?.parse()?;
+        let shown = number(&told, "model").ok_or_else(|| told.clone())?;
+        assert!((shown - model).abs() <= 1e-3 * model.abs() + 1e-6, "rung {rung}: {told}, {model}");
+    }
+    assert_eq!(page.faults(), Vec::<String>::new());
+    assert_eq!(page.outside(), Vec::<String>::new());
+    Ok(())
+}
+
+#[test]
+#[ignore = "needs Chromium; `just browser`"]
+fn ten_thousand_points_open_within_a_second() -> Tested {
+    let chromium = driver::found().ok_or("no chromium on the path and no $CHROMIUM")?;
+    let folder = synthetic()?;
+    let here = folder.path();
+    let out = fct(here, &["identify", "fit.toml", "--out", "big", "--quiet"])?;
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    let mut curve =
+        String::from("time_s,displacement_mm,force_measured_N,force_model_N,residual_N,segment\n");
+    for i in 0..10_000 {
+        let t = f64::from(i) * 0.01;
+        let (u, m) = ((t * 0.3).sin().abs() * 3.0, (t * 0.3).sin().abs() * 0.2);
+        let f = m + 0.001 * (t * 50.0).sin();
+        writeln!(curve, "{t},{u},{f},{m},{},load {}", f - m, 1 + i / 1000)?;
+    }
+    fs::write(here.join("big/curves/tearing.csv"), curve)?;
+    let out = fct(here, &["report", "big"])?;
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    let file = here.join("big/report.html");
+    assert!(fs::metadata(&file)?.len() < 3_000_000);
+    let mut page = Page::open(&chromium)?;
+    // The best of three: what else runs on the machine is not the page's fault.
+    let mut best = f64::MAX;
+    for _ in 0..3 {
+        best = best.min(page.load(&file, 1280, "light")?);
+    }
+    println!("10,000 points: loaded in {best:.0} ms");
+    assert!(best < 1000.0, "{best} ms");
+    assert_eq!(page.faults(), Vec::<String>::new());
+    Ok(())
+}

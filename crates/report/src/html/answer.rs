@@ -1,0 +1,302 @@
+//! The first screen: is the model good enough, where not, what is missing, how sure, what next.
+
+use super::place::{cameras, places};
+use super::view::View;
+use super::{code, escape, quoted};
+use crate::answer::ParameterAnswer;
+use crate::peek::{list, number, rows, text, yes};
+use crate::terminal::{interval, readable_unit, significant};
+use serde_json::Value;
+
+/// Segments that are named.
+const PLACES: usize = 3;
+
+/// A question with its answer as HTML; `good`: whether it is good news, if it is news at all.
+struct Card {
+    question: &'static str,
+    good: Option<bool>,
+    head: String,
+    body: String,
+}
+
+/// The five answers.
+pub fn section(v: &View) -> String {
+    let cards = [good_enough(v), place(v), missing(v), how_sure(v), next(v)];
+    let cards: String = cards
+        .iter()
+        .enumerate()
+        .map(|(i, c)| {
+            let class = match c.good {
+                Some(true) => "good",
+                Some(false) => "bad",
+                None => "",
+            };
+            format!(
+                "<div class=\"answer a{i}\"><h2>{}</h2><p class=\"verdict {class}\">{}</p>{}</div>\n",
+                c.question, c.head, c.body
+            )
+        })
+        .collect();
+    format!("<section id=\"answers\" class=\"answers\">\n{cards}</section>\n")
+}
+
+fn verdict(v: &View) -> &str {
+    v.diagnosis.as_ref().map_or("", |d| text(d, "verdict"))
+}
+
+/// Whether the model shown explains the records. A search has judged that itself.
+pub fn explained(v: &View) -> bool {
+    match (v.run.info.command.as_str(), v.current()) {
+        ("discover", _) => matches!(verdict(v), "nothing_missing" | "explained" | "ambiguous"),
+        (_, Some(r)) => r.answer.explained,
+        _ => false,
+    }
+}
+
+fn good_enough(v: &View) -> Card {
+    let question = "Is the model good enough?";
+    let good = explained(v);
+    let Some(now) = v.current() else {
+        return Card { question, good: Some(good), head: words(v), body: String::new() };
+    };
+    let base = v.rungs.first().filter(|_| v.rungs.len() > 1);
+    let head = match (good, base) {
+        (true, None) => "Yes".to_owned(),
+        (true, Some(b)) if b.answer.explained && v.run.info.command != "discover" => {
+            "Yes, and the base model was".to_owned()
+        }
+        (true, Some(_)) => format!("Yes, with {}", escape(&now.name())),
+        (false, None) => "No".to_owned(),
+        (false, Some(_)) => format!("No, not even with {}", escape(&now.name())),
+    };
+    let mut body = format!(
+        "<p>Reduced χ² <b>{}</b> (1: at the noise), rms misfit <b>{} N</b> at a noise of {} N.</p>",
+        significant(now.chi2(), 3),
+        significant(now.rms(), 3),
+        significant(now.noise(), 3)
+    );
+    if let Some(base) = base {
+        body.push_str(&format!(
+            "<p>The base model alone: χ² {}, rms {} N.</p>",
+            significant(base.chi2(), 3),
+            significant(base.rms(), 3)
+        ));
+    }
+    if now.answer.stages.iter().any(|s| !s.converged) {
+        body.push_str("<p class=\"bad\">The search had not settled when it ended.</p>");
+    }
+    Card { question, good: Some(good), head, body }
+}
+
+fn place(v: &View) -> Card {
+    let question = "Where is it off?";
+    let all = places(v);
+    let fine = explained(v) && v.rungs.first().is_none_or(|base| v.rungs.len() < 2 || base.answer.explained);
+    let Some(first) = all.first().filter(|_| !fine) else {
+        let body = "<p>What is left looks like the noise of the record.</p>".to_owned();
+        return Card { question, good: Some(true), head: "Nowhere beyond the noise".into(), body };
+    };
+    let items: String = all
+        .iter()
+        .take(PLACES)
+        .map(|(test, segment, share, sign)| {
+            let side = match sign {
+                '+' => ", record above model",
+                '-' => ", record below model",
+                _ => "",
+            };
+            let (test, segment) = (escape(test), escape(segment));
+            format!("<li>{test}, {segment}: <b>{:.0} %</b> of χ²{side}</li>", 100.0 * share)
+        })
+        .collect();
+    let whose = if v.rungs.len() > 1 { "<p class=\"muted\">Of the base model:</p>" } else { "" };
+    let (camera, worse) = cameras(v);
+    let head = worse.unwrap_or_else(|| format!("{}, {}", escape(&first.0), escape(&first.1)));
+    let items = items + &camera;
+    Card { question, good: None, head, body: format!("{whose}<ul>{items}</ul>") }
+}
+
+fn words(v: &View) -> String {
+    escape(&v.diagnosis.as_ref().map(|d| list(d, "words").join(" ")).unwrap_or_default())
+}
+
+fn missing(v: &View) -> Card {
+    let question = "What is missing?";
+    let Some(d) = &v.diagnosis else {
+        let added = v.current().filter(|r| explained(v) && !r.answer.effects.is_empty() && v.rungs.len() > 1);
+        let head = match added {
+            Some(r) if v.rungs.first().is_some_and(|b| !b.answer.explained) => {
+                format!("{}, which was added", escape(&r.name()))
+            }
+            _ if explained(v) => "Nothing that shows".to_owned(),
+            _ => "Not asked yet".to_owned(),
+        };
+        let body = format!(
+            "<p>{} screens the catalogue at this model.</p>",
+            code(&format!("fct diagnose {}", run(v)))
+        );
+        return Card { question, good: explained(v).then_some(true), head, body };
+    };
+    let found = list(d, "found");
+    let head = match verdict(v) {
+        "nothing_missing" => "Nothing".to_owned(),
+        "unexplained" if found.is_empty() => "Something the catalogue does not hold".to_owned(),
+        "unexplained" => format!("More than {}", escape(&found.join(" + "))),
+        _ => escape(&found.join(" + ")),
+    };
+    let good = (verdict(v) == "nothing_missing").then_some(true);
+    let values = amounts(v, &found);
+    Card { question, good, head, body: format!("<p>{}</p>{values}", words(v)) }
+}
+
+/// How much of each found effect: its parameters at the rung shown.
+fn amounts(v: &View, found: &[String]) -> String {
+    let Some(r) = v.current() else { return String::new() };
+    let of = |p: &&ParameterAnswer| {
+        p.path
+            .strip_prefix("effects.")
+            .and_then(|n| n.split_once('.'))
+            .is_some_and(|(e, _)| found.iter().any(|f| f == e))
+    };
+    let line = |p: &ParameterAnswer| {
+        let (unit, factor) = readable_unit(&p.path, &p.unit);
+        let name = escape(p.path.trim_start_matches("effects."));
+        let value = significant(p.value * factor, 3);
+        format!("<li>{name} = <b>{value} {unit}</b> (95 %: {})</li>", interval(p, factor))
+    };
+    let all: String = r.answer.parameters.iter().filter(of).map(line).collect();
+    if all.is_empty() { all } else { format!("<ul>{all}</ul>") }
+}
+
+fn how_sure(v: &View) -> Card {
+    let question = "How sure?";
+    let mut facts = Vec::new();
+    let mut head = String::new();
+    if let Some(d) = &v.diagnosis {
+        let rivals: Vec<String> = rows(d, "groups")
+            .iter()
+            .filter_map(|g| Some(g.as_array()?.iter().filter_map(|x| x.as_str()).collect::<Vec<_>>()))
+            .filter(|g| g.len() > 1)
+            .map(|g| g.join(" or "))
+            .collect();
+        head = match (verdict(v), rivals.is_empty()) {
+            ("ambiguous", _) | (_, false) => "These records cannot tell rivals apart".into(),
+            ("unexplained", _) => "Sure that something is missing".into(),
+            ("nothing_missing", _) => "Nothing in the catalogue would help".into(),
+            _ => "No rival explains it as well".into(),
+        };
+        facts.extend(rivals.iter().map(|r| format!("cannot be told apart here: <b>{}</b>", escape(r))));
+        for name in list(d, "found") {
+            if let Some(p) = rows(d, "screen")
+                .iter()
+                .find(|r| text(r, "effect") == name)
+                .and_then(|r| number(r, "p_value"))
+            {
+                facts.push(format!("{}: {} in the score test", escape(&name), p_value(p)));
+            }
+        }
+        if v.run.info.command != "discover" && v.rungs.len() < 2 {
+            facts.push("a linear screen; nothing was refitted yet".into());
+        }
+    }
+    facts.extend(falls(v));
+    if let Some(r) = v.current() {
+        let a = &r.answer;
+        let fixed = a.parameters.iter().filter(|p| p.identifiable).count();
+        let line = format!("{fixed} of {} parameters fixed by the records", a.parameters.len());
+        if head.is_empty() {
+            head = line;
+        } else {
+            facts.push(line);
+        }
+    }
+    let body: String = facts.iter().map(|f| format!("<li>{f}</li>")).collect();
+    Card { question, good: None, head, body: format!("<ul>{body}</ul>") }
+}
+
+/// What the ladder gained in BIC and on data that the fit did not see.
+fn falls(v: &View) -> Vec<String> {
+    let (Some(base), Some(now)) = (v.rungs.first(), v.current().filter(|_| v.rungs.len() > 1)) else {
+        return Vec::new();
+    };
+    let mut out = Vec::new();
+    if let (Some(a), Some(b)) = (base.bic(), now.bic()) {
+        out.push(format!("BIC {} → {} (lower is better)", significant(a, 4), significant(b, 4)));
+    }
+    if let (Some(a), Some(b)) = (base.held_out(), now.held_out()) {
+        out.push(format!("held-out misfit {} → {} N rms", significant(a, 3), significant(b, 3)));
+    }
+    out
+}
+
+/// A p-value; a tail beyond what a double holds is said to be below it.
+pub fn p_value(p: f64) -> String {
+    if p < 1e-99 {
+        "p < 1e-99".into()
+    } else if p < 0.01 {
+        format!("p = {p:.0e}")
+    } else {
+        format!("p = {p:.2}")
+    }
+}
+
+fn run(v: &View) -> String {
+    quoted(&v.run.path.display().to_string())
+}
+
+fn next(v: &View) -> Card {
+    let question = "What next?";
+    let command = v.run.info.command.as_str();
+    if let Some(n) = v.diagnosis.as_ref().and_then(|d| d.get("next_test")).filter(|n| !n.is_null()) {
+        let head = format!("Separate {}", escape(&list(n, "separates").join(" from ")));
+        let body = format!(
+            "<p>{} <span class=\"muted\">({})</span></p>",
+            escape(text(n, "proposal")),
+            escape(text(n, "basis"))
+        );
+        return Card { question, good: None, head, body };
+    }
+    let (head, body) = match (verdict(v), v.diagnosis.as_ref()) {
+        _ if command != "discover" && v.rungs.len() > 1 && explained(v) => ("Use the values".to_owned(), loose(v)),
+        ("unexplained", Some(_)) => (
+            "Look where it is off".to_owned(),
+            "<p>The residual strip and the atlas below show when the misfit comes. An effect of your own can be added: see <i>adding an effect</i> in the book.</p>".to_owned(),
+        ),
+        (_, Some(d)) if command != "discover" && !list(d, "found").is_empty() => {
+            let add = format!("fct add {} {} --out more.toml", list(d, "found").join(" "), run(v));
+            ("Add it and refit".to_owned(), format!("<p>{}<br>{}</p>", code(&add), code("fct identify more.toml --out runs/more")))
+        }
+        (_, Some(_)) if command == "discover" && v.rungs.len() > 1 => {
+            let last = v.rungs.len() - 1;
+            ("Refit and report".to_owned(), format!("<p>The found model, ready for a full identification with intervals:<br>{}</p>", code(&format!("fct identify {}/rungs/{last}/run.toml --out runs/found", run(v)))))
+        }
+        _ if explained(v) => ("Use the values".to_owned(), loose(v)),
+        _ => ("Ask what is missing".to_owned(), format!("<p>{}</p>", code(&format!("fct discover {}", run(v))))),
+    };
+    Card { question, good: None, head, body }
+}
+
+/// What to mind when the values are used.
+fn loose(v: &View) -> String {
+    let Some(r) = v.current() else { return String::new() };
+    let at: Vec<String> = r
+        .answer
+        .parameters
+        .iter()
+        .filter(|p| !p.identifiable || p.at_bound)
+        .map(|p| escape(&p.path))
+        .collect();
+    if at.is_empty() {
+        return "<p>Every value has its 95 % interval in the table of parameters.</p>".into();
+    }
+    let more = if at.len() > 4 { format!(" and {} more", at.len() - 4) } else { String::new() };
+    format!(
+        "<p>but not those the records do not fix: {}{more}.</p>",
+        at.iter().take(4).cloned().collect::<Vec<_>>().join(", ")
+    )
+}
+
+/// Whether a screen row was called for by the test.
+pub fn called(row: &Value) -> bool {
+    yes(row, "significant")
+}

@@ -1,0 +1,135 @@
+//! The overview page of a batch: specimens side by side, as the paper's Table 2.
+
+use super::{Cell, document, escape, table};
+use crate::answer::IdentifyAnswer;
+use crate::terminal::{BatchRow, batch_rows, mean_sd, significant};
+use serde_json::{Value, json};
+
+/// A specimen: its answer, and where its own page is, relative to this one.
+pub type Specimen = (IdentifyAnswer, String);
+
+/// The page. `failed`: file and reason.
+pub fn page(specimens: &[Specimen], failed: &[(String, String)]) -> String {
+    let answers: Vec<IdentifyAnswer> = specimens.iter().map(|s| s.0.clone()).collect();
+    let rows = batch_rows(&answers);
+    let explained = rows.iter().filter(|r| r.explained).count();
+    let synthetic = answers.iter().filter(|a| a.provenance.to_lowercase().starts_with("synthetic")).count();
+    let badge = match synthetic {
+        0 => String::new(),
+        n if n == answers.len() => "<span class=\"badge\">synthetic records</span>".into(),
+        n => format!("<span class=\"badge\">{n} of {} synthetic</span>", answers.len()),
+    };
+    let body = format!(
+        "<h1>{} specimens{badge}</h1>\n<p class=\"verdict\">{explained} of {} explained by their model{}</p>\n\
+         <section id=\"table\"><h2>Mean ± SD over the areas of each specimen</h2>\n{}{}</section>\n\
+         <section><h2>Along the tear path</h2>\n<div class=\"charts\">{}{}</div></section>\n\
+         <section><h2>Bulk</h2>\n{}</section>\n{}",
+        rows.len(),
+        rows.len(),
+        if failed.is_empty() { String::new() } else { format!(", {} failed", failed.len()) },
+        overview(specimens, &rows),
+        over_all(&rows),
+        super::chart("batch", "gc", "fracture energy Gc (N/mm) along the path, a line per specimen"),
+        super::chart("batch", "sigma_c", "strength σc (MPa) along the path, a line per specimen"),
+        bulk(&answers),
+        failures(failed)
+    );
+    document("fct batch", &body, &data(&answers))
+}
+
+fn pair(p: Option<[f64; 2]>) -> String {
+    // One value alone has no spread.
+    p.map_or("–".into(), |[m, s]| if s == 0.0 { format!("{m:.3}") } else { format!("{m:.3} ± {s:.3}") })
+}
+
+fn overview(specimens: &[Specimen], rows: &[BatchRow]) -> String {
+    let body: String = specimens
+        .iter()
+        .zip(rows)
+        .map(|((_, link), r)| {
+            let word = if r.explained { "<td class=\"good\">yes</td>" } else { "<td class=\"bad\">no</td>" };
+            let cells: String = [
+                r.areas.to_string(),
+                pair(r.gc_N_per_mm),
+                pair(r.published_gc_N_per_mm),
+                pair(r.sigma_c_MPa),
+                pair(r.published_sigma_c_MPa),
+                r.not_identifiable.to_string(),
+                significant(r.reduced_chi2_total, 3),
+            ]
+            .iter()
+            .map(|c| format!("<td class=\"n\">{}</td>", escape(c)))
+            .collect();
+            format!(
+                "<tr><td><a href=\"{}\">{}</a></td>{cells}{word}</tr>\n",
+                escape(link),
+                escape(&r.specimen)
+            )
+        })
+        .collect();
+    let head: String =
+        ["areas", "Gc (N/mm)", "published", "σc (MPa)", "published", "not fixed", "reduced χ²"]
+            .iter()
+            .map(|h| format!("<th class=\"n\">{h}</th>"))
+            .collect();
+    format!(
+        "<div class=\"scroll\"><table><thead><tr><th>specimen</th>{head}<th>explained</th></tr></thead><tbody>\n{body}</tbody></table></div>\n"
+    )
+}
+
+/// Mean ± SD of the specimens' means.
+fn over_all(rows: &[BatchRow]) -> String {
+    let of = |f: &dyn Fn(&BatchRow) -> Option<[f64; 2]>| {
+        pair(mean_sd(&rows.iter().filter_map(|r| f(r).map(|p| p[0])).collect::<Vec<f64>>()))
+    };
+    format!(
+        "<p>Over the {} specimens (mean ± SD of their means): Gc <b>{} N/mm</b>, σc <b>{} MPa</b>.</p>\n",
+        rows.len(),
+        of(&|r| r.gc_N_per_mm),
+        of(&|r| r.sigma_c_MPa)
+    )
+}
+
+fn bulk(answers: &[IdentifyAnswer]) -> String {
+    let paths = ["bulk.mu", "bulk.k1", "bulk.k2", "bulk.gamma", "bulk.kappa"];
+    let value =
+        |a: &IdentifyAnswer, path: &str| a.parameters.iter().find(|p| p.path == path).map(|p| p.value);
+    let factor = |path: &str| match path {
+        "bulk.mu" | "bulk.k1" => 1e3,
+        "bulk.gamma" => 180.0 / std::f64::consts::PI,
+        _ => 1.0,
+    };
+    let rows = answers.iter().map(|a| {
+        let cells = paths
+            .map(|p| Cell::number(value(a, p).map_or("fixed".into(), |v| significant(v * factor(p), 4))));
+        std::iter::once(Cell::left(&a.specimen)).chain(cells).collect()
+    });
+    let mean = std::iter::once(Cell::left("mean ± SD")).chain(paths.map(|p| {
+        let all: Vec<f64> = answers.iter().filter_map(|a| value(a, p)).map(|v| v * factor(p)).collect();
+        Cell::number(
+            mean_sd(&all)
+                .map_or("–".into(), |[m, s]| format!("{} ± {}", significant(m, 4), significant(s, 2))),
+        )
+    }));
+    table(&["specimen", "μ (kPa)", "k1 (kPa)", "k2", "γ (°)", "κ"], rows.chain([mean.collect()]))
+}
+
+fn failures(failed: &[(String, String)]) -> String {
+    if failed.is_empty() {
+        return String::new();
+    }
+    let rows = failed.iter().map(|(file, why)| vec![Cell::left(file), Cell::remark(why)]);
+    format!("<section><h2>Failed</h2>\n{}</section>\n", table(&["file", "reason"], rows))
+}
+
+fn data(answers: &[IdentifyAnswer]) -> Value {
+    let of = |a: &IdentifyAnswer, end: &str| -> Vec<f64> {
+        let areas = a.parameters.iter().filter(|p| p.path.starts_with("interface.area["));
+        areas.filter(|p| p.path.ends_with(end)).map(|p| p.value).collect()
+    };
+    let lines: Vec<Value> = answers
+        .iter()
+        .map(|a| json!({ "name": a.specimen, "gc": of(a, "].gc"), "sigma_c": of(a, "].sigma_c") }))
+        .collect();
+    json!({ "tests": [], "rungs": [], "shown": 0, "convergence": null, "batch": lines })
+}

@@ -1,0 +1,185 @@
+//! The staircase of rungs, the ranked effects, the residual atlas.
+
+use super::answer::{called, p_value};
+use super::view::{Rung, View, atlas};
+use super::{Cell, escape, per_rung, table};
+use crate::peek::{list, number, rows, text, yes};
+use crate::terminal::significant;
+use serde_json::Value;
+
+/// Effects that stand above the fold of the table.
+const FIRST: usize = 8;
+
+/// The staircase; each step is a button that shows its model everywhere on the page.
+pub fn staircase(v: &View) -> String {
+    if v.rungs.len() < 2 {
+        return String::new();
+    }
+    let most = v.rungs.iter().map(Rung::rms).fold(f64::MIN_POSITIVE, f64::max);
+    let noise = v.rungs.first().map_or(0.0, Rung::noise);
+    let steps: String = v.rungs.iter().enumerate().map(|(k, r)| step(v, k, r, most)).collect();
+    format!(
+        "<section id=\"ladder\"><h2>Ladder</h2>\n<p class=\"muted\">Height: rms misfit over all force points (N). Dashed: \
+         noise, {} N. Choose a rung: curves, values and tables below follow.</p>\n\
+         <div class=\"stairs\" role=\"group\" aria-label=\"rungs of the ladder\">\n\
+         <div class=\"noise\" style=\"--share:{:.4}\" aria-hidden=\"true\"></div>\n{steps}</div>\n{}</section>\n",
+        significant(noise, 3),
+        noise / most,
+        ladder_table(v)
+    )
+}
+
+fn step(v: &View, k: usize, r: &Rung, most: f64) -> String {
+    let before = k.checked_sub(1).and_then(|b| v.rungs.get(b));
+    let name = match before {
+        None => r.name(),
+        Some(b) => {
+            let new: Vec<&String> =
+                r.answer.effects.iter().filter(|e| !b.answer.effects.contains(e)).collect();
+            if new.is_empty() {
+                r.name()
+            } else {
+                new.iter().map(|e| format!("+ {e}")).collect::<Vec<_>>().join(" ")
+            }
+        }
+    };
+    format!(
+        "<button type=\"button\" class=\"rung\" data-rung=\"{k}\" aria-pressed=\"{}\">\
+         <span class=\"bar\"><span style=\"--share:{:.4}\"></span></span><b>{}</b>\
+         <span>{} N</span><span>χ² {}</span></button>\n",
+        k == v.shown,
+        r.rms() / most,
+        escape(&name),
+        significant(r.rms(), 3),
+        significant(r.chi2(), 3),
+    )
+}
+
+fn ladder_table(v: &View) -> String {
+    let mean = |r: &Rung, end: &str| {
+        let all: Vec<f64> = r
+            .answer
+            .parameters
+            .iter()
+            .filter(|p| p.path.starts_with("interface.area[") && p.path.ends_with(end))
+            .map(|p| p.value)
+            .collect();
+        if all.is_empty() { "–".into() } else { significant(all.iter().sum::<f64>() / all.len() as f64, 3) }
+    };
+    let optional = |x: Option<f64>, digits| x.map_or("–".to_owned(), |x| significant(x, digits));
+    let rows = v.rungs.iter().map(|r| {
+        vec![
+            Cell::left(r.name()),
+            Cell::number(r.answer.parameters.len().to_string()),
+            Cell::number(significant(r.rms(), 3)),
+            Cell::number(optional(r.held_out(), 3)),
+            Cell::number(significant(r.chi2(), 3)),
+            Cell::number(optional(r.bic(), 5)),
+            Cell::number(mean(r, "].gc")),
+            Cell::number(mean(r, "].sigma_c")),
+        ]
+    });
+    let header = [
+        "model",
+        "parameters",
+        "rms (N)",
+        "held-out rms (N)",
+        "reduced χ²",
+        "BIC",
+        "mean Gc (N/mm)",
+        "mean σc (MPa)",
+    ];
+    table(&header, rows)
+}
+
+/// The ranked catalogue.
+pub fn effects(v: &View) -> String {
+    let Some(d) = &v.diagnosis else { return String::new() };
+    let screen = rows(d, "screen");
+    if screen.is_empty() {
+        return String::new();
+    }
+    let (first, rest) = screen.split_at(screen.len().min(FIRST));
+    let more = if rest.is_empty() {
+        String::new()
+    } else {
+        format!("<details><summary>{} more effects</summary>\n{}</details>\n", rest.len(), screen_table(rest))
+    };
+    format!(
+        "<section id=\"effects\"><h2>What could be missing</h2>\n<p class=\"muted\">Score test of the whole catalogue at the base \
+         model: the share of χ² that adding the effect is expected to take away, and how likely so much is by chance.</p>\n{}{more}</section>\n",
+        screen_table(first)
+    )
+}
+
+fn screen_table(screen: &[Value]) -> String {
+    let lines: String = screen.iter().map(effect).collect();
+    format!(
+        "<div class=\"scroll\"><table class=\"effects\"><thead><tr><th>effect</th><th>expected fall of χ²</th>\
+         <th class=\"n\">p</th><th>look-alikes</th><th>in words</th></tr></thead><tbody>\n{lines}</tbody></table></div>\n"
+    )
+}
+
+fn effect(r: &Value) -> String {
+    let fall = number(r, "expected_fall").unwrap_or(0.0).clamp(0.0, 1.0);
+    let p = if yes(r, "refit_only") {
+        "refit".into()
+    } else {
+        number(r, "p_value").map_or("–".into(), |p| p_value(p).replace("p = ", "").replace("p ", ""))
+    };
+    let dim = if called(r) { "" } else { " class=\"dim\"" };
+    let unseen = if yes(r, "visible") { "" } else { " <span class=\"muted\">(not visible here)</span>" };
+    format!(
+        "<tr{dim}><td><b>{}</b>{unseen}</td><td><span class=\"fall\"><span style=\"--share:{fall:.4}\"></span></span> {:.0} %</td>\
+         <td class=\"n\">{p}</td><td class=\"wrap\">{}</td><td class=\"wrap words\">{}</td></tr>\n",
+        escape(text(r, "effect")),
+        100.0 * fall,
+        escape(&list(r, "look_alikes").join(", ")),
+        escape(text(r, "sentence")),
+    )
+}
+
+/// The residual atlas of every rung.
+pub fn residuals(v: &View) -> String {
+    if v.rungs.iter().all(|r| r.curves.is_empty()) {
+        return String::new();
+    }
+    let body = per_rung(v, |r| {
+        let rows = r.curves.iter().flat_map(|c| {
+            let sd = c.noise.max(f64::MIN_POSITIVE);
+            atlas(c).into_iter().map(move |s| {
+                vec![
+                    Cell::left(c.test.clone()),
+                    Cell::left(s.segment),
+                    Cell::number(s.points.to_string()),
+                    Cell::share(s.share),
+                    Cell::number(format!("{:.2}", s.rms / sd)),
+                    Cell::number(format!("{} {}", significant(s.mean, 2), side(s.sign))),
+                    Cell::number(format!("{:.2}", s.autocorrelation)),
+                ]
+            })
+        });
+        let header = [
+            "test",
+            "segment",
+            "points",
+            "share of the test's misfit",
+            "rms / noise",
+            "mean misfit (N)",
+            "autocorrelation",
+        ];
+        table(&header, rows)
+    });
+    format!(
+        "<section id=\"atlas\"><h2>Residual atlas</h2>\n<p class=\"muted\">Where the misfit sits. rms / noise is 1 for a model that is \
+         right; an autocorrelation well above 0 is structure, not noise. ▲ record above the model, ▼ below.</p>\n{body}</section>\n"
+    )
+}
+
+fn side(sign: char) -> &'static str {
+    match sign {
+        '+' => "▲",
+        '-' => "▼",
+        _ => "·",
+    }
+}

@@ -1,0 +1,58 @@
+//! Where the model is off: segments of the force records, camera channels.
+
+use super::escape;
+use super::view::{View, atlas};
+use crate::peek::{number, rows, text};
+use crate::terminal::significant;
+use serde_json::Value;
+
+/// (test, segment, share of χ², whether the model lies too low or too high, if either).
+pub type Place = (String, String, f64, char);
+
+/// Where the misfit sits, largest share first: as a diagnosis told it of the base model, else from the
+/// curves shown.
+pub fn places(v: &View) -> Vec<Place> {
+    let told = v.diagnosis.as_ref().map_or(&[][..], |d| rows(d, "where"));
+    if !told.is_empty() {
+        let sign = |r: &Value| if number(r, "mean_N").unwrap_or(0.0) < 0.0 { '-' } else { '+' };
+        return told
+            .iter()
+            .map(|r| {
+                (
+                    text(r, "test").into(),
+                    text(r, "segment").into(),
+                    number(r, "share").unwrap_or(0.0),
+                    sign(r),
+                )
+            })
+            .collect();
+    }
+    let Some(rung) = v.current() else { return Vec::new() };
+    let chi2 = |c: &crate::Curve| -> f64 {
+        c.residual().iter().map(|r| (r / c.noise.max(f64::MIN_POSITIVE)).powi(2)).sum()
+    };
+    let total: f64 = rung.curves.iter().map(chi2).sum();
+    let mut out: Vec<Place> = rung
+        .curves
+        .iter()
+        .flat_map(|c| {
+            let share = chi2(c) / total.max(f64::MIN_POSITIVE);
+            atlas(c).into_iter().map(move |s| (c.test.clone(), s.segment, s.share * share, s.sign))
+        })
+        .collect();
+    out.sort_by(|a, b| b.2.total_cmp(&a.2));
+    out
+}
+
+/// Camera channels that the model misses, and the worst if it is missed more than every force.
+pub fn cameras(v: &View) -> (String, Option<String>) {
+    let Some(a) = v.current().map(|r| &r.answer) else { return (String::new(), None) };
+    let force = a.tests.values().map(|t| t.reduced_chi2_total).fold(0.0, f64::max);
+    let mut off: Vec<_> = a.channels.iter().filter(|(_, t)| t.reduced_chi2_total > 2.0).collect();
+    off.sort_by(|a, b| b.1.reduced_chi2_total.total_cmp(&a.1.reduced_chi2_total));
+    let line = |(n, t): &(&String, &crate::answer::TestFit)| {
+        format!("<li>camera, {}: χ² <b>{}</b></li>", escape(n), significant(t.reduced_chi2_total, 3))
+    };
+    let worst = off.first().filter(|(_, t)| t.reduced_chi2_total > force).map(|(n, _)| escape(n));
+    (off.iter().map(line).collect(), worst)
+}

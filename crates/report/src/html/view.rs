@@ -1,0 +1,214 @@
+//! What a page shows, gathered from run directories: the rungs of a ladder, the diagnosis, pictures.
+
+use crate::answer::IdentifyAnswer;
+use crate::runs::StoredRun;
+use crate::{Curve, ReportError};
+use diagnose::Segment;
+use diagnose::atlas::SegmentMisfit;
+use diagnose::segments::SegmentKind;
+use serde_json::Value;
+use std::path::Path;
+
+/// Ancestors that a page follows: a longer chain is a loop of the user's making.
+const ANCESTORS: usize = 12;
+
+/// One model of the ladder: its answer and its curves.
+pub struct Rung {
+    /// Effects in the model.
+    pub answer: IdentifyAnswer,
+    /// Its curves.
+    pub curves: Vec<Curve>,
+    /// Pictures of the strip, by test; empty where none were stored.
+    pub pictures: Vec<(String, String)>,
+    /// Rms, χ² and BIC as the search judged them; `None` outside a search.
+    pub judged: Option<Value>,
+}
+
+/// Everything a page shows.
+pub struct View {
+    /// The run that the page is of.
+    pub run: StoredRun,
+    /// The ladder, base first; a single identification is a ladder of one.
+    pub rungs: Vec<Rung>,
+    /// The rung shown first.
+    pub shown: usize,
+    /// Answer of `fct discover` or `fct diagnose`.
+    pub diagnosis: Option<Value>,
+}
+
+impl Rung {
+    /// A rung from the run directory of an identification.
+    pub fn of(run: &StoredRun, files: &Path) -> Option<Self> {
+        let answer = run.identify()?;
+        let at = StoredRun { path: files.to_owned(), ..run.clone() };
+        let pictures = answer.tests.keys().filter_map(|t| {
+            Some((t.clone(), std::fs::read_to_string(files.join(format!("figures/{t}-S22.svg"))).ok()?))
+        });
+        Some(Self { pictures: pictures.collect(), curves: at.curves(), answer, judged: None })
+    }
+
+    /// The model in words.
+    pub fn name(&self) -> String {
+        if self.answer.effects.is_empty() { "base model".into() } else { self.answer.effects.join(" + ") }
+    }
+
+    /// Reduced χ² with numerical error: the search's own where there was one.
+    pub fn chi2(&self) -> f64 {
+        self.number("reduced_chi2_total").unwrap_or(self.answer.reduced_chi2_total)
+    }
+
+    /// Rms misfit over all force points, N.
+    pub fn rms(&self) -> f64 {
+        self.number("rms_N").unwrap_or(self.answer.rms_N)
+    }
+
+    /// Bayesian information criterion.
+    pub fn bic(&self) -> Option<f64> {
+        self.number("bic").or(self.answer.bic)
+    }
+
+    /// Rms misfit of held-out segments, N.
+    pub fn held_out(&self) -> Option<f64> {
+        self.number("held_out_rms_N")
+    }
+
+    fn number(&self, key: &str) -> Option<f64> {
+        self.judged.as_ref()?.get(key)?.as_f64()
+    }
+
+    /// Noise over all force points, N: what the rms of a true model would be.
+    pub fn noise(&self) -> f64 {
+        let (mut sum, mut points) = (0.0, 0);
+        for t in self.answer.tests.values() {
+            sum += t.noise_N.powi(2) * t.points as f64;
+            points += t.points;
+        }
+        (sum / f64::from(points.max(1) as u32)).sqrt()
+    }
+}
+
+impl View {
+    /// The view of one run; `files`: where its files are (while it is written, not its final place).
+    ///
+    /// # Errors
+    /// Never today; reading may come to fail.
+    pub fn of(run: &StoredRun, files: &Path) -> Result<Self, ReportError> {
+        let mut rungs: Vec<Rung> = match (run.info.command.as_str(), Rung::of(run, files)) {
+            ("discover", _) => searched(run, files),
+            (_, Some(own)) => {
+                let chain = ancestors(run);
+                chain.iter().filter_map(|a| Rung::of(a, &a.path)).chain([own]).collect()
+            }
+            // An unfinished run: its ancestors are not what was asked for.
+            (_, None) => Vec::new(),
+        };
+        let shown = rungs.len().saturating_sub(1);
+        if let Some(last) = rungs.last_mut()
+            && last.pictures.is_empty()
+        {
+            last.pictures = Rung::of(run, files).map(|r| r.pictures).unwrap_or_default();
+        }
+        let diagnosis = if run.info.command == "discover" {
+            Some(run.answer.clone())
+        } else {
+            // What was missing in an ancestor is what this run was made to show.
+            let places = std::iter::once(files.to_owned()).chain(ancestors(run).into_iter().map(|a| a.path));
+            places.filter_map(|p| diagnosis_in(&p)).next()
+        };
+        Ok(Self { run: run.clone(), rungs, shown, diagnosis })
+    }
+
+    /// A ladder over several runs of one specimen, ordered as `fct ladder` orders them.
+    ///
+    /// # Errors
+    /// If one of them is no finished identification or of another specimen.
+    pub fn of_runs(runs: &[StoredRun]) -> Result<Self, ReportError> {
+        let not = |run: &StoredRun, reason: &str| ReportError::NotARun {
+            path: run.path.clone(),
+            reason: reason.to_owned(),
+        };
+        let first = runs.first().ok_or_else(|| ReportError::NotARun {
+            path: Default::default(),
+            reason: "no run directory was named".into(),
+        })?;
+        let mut rungs = Vec::new();
+        for run in runs {
+            let rung = Rung::of(run, &run.path)
+                .ok_or_else(|| not(run, "expected a finished run of `fct identify`"))?;
+            if run.answer.get("specimen") != first.answer.get("specimen") {
+                return Err(not(run, "this run is of another specimen than the first"));
+            }
+            rungs.push((rung, run));
+        }
+        rungs.sort_by(|(a, _), (b, _)| {
+            (a.answer.effects.len().cmp(&b.answer.effects.len())).then(b.rms().total_cmp(&a.rms()))
+        });
+        let run = rungs.last().map_or(first, |r| r.1).clone();
+        let base = rungs.first().map_or(first, |r| r.1);
+        let diagnosis = diagnosis_in(&base.path);
+        let shown = rungs.len().saturating_sub(1);
+        let rungs = rungs.into_iter().map(|r| r.0).collect();
+        Ok(Self { run, rungs, shown, diagnosis })
+    }
+
+    /// The rung shown first.
+    pub fn current(&self) -> Option<&Rung> {
+        self.rungs.get(self.shown)
+    }
+}
+
+/// What `fct diagnose` left in a run directory.
+fn diagnosis_in(folder: &Path) -> Option<Value> {
+    serde_json::from_str(&std::fs::read_to_string(folder.join("diagnosis.json")).ok()?).ok()
+}
+
+/// The rungs that `fct discover` stored, with the search's own judgement of each.
+fn searched(run: &StoredRun, files: &Path) -> Vec<Rung> {
+    let rows = run.answer.get("ladder").and_then(Value::as_array).cloned().unwrap_or_default();
+    let rungs = rows.into_iter().enumerate().filter_map(|(k, row)| {
+        let place = files.join("rungs").join(k.to_string());
+        let stored = StoredRun::read(&place).ok()?;
+        Some(Rung { judged: Some(row), ..Rung::of(&stored, &place)? })
+    });
+    rungs.collect()
+}
+
+/// The runs that this one was derived from (`fct add` keeps the parent), oldest first.
+fn ancestors(run: &StoredRun) -> Vec<StoredRun> {
+    let mut out: Vec<StoredRun> = Vec::new();
+    let mut input = run.input.clone();
+    while out.len() < ANCESTORS {
+        let Some(parent) = parent_of(&input) else { break };
+        let seen = out.iter().any(|r| r.path == Path::new(&parent)) || run.path == Path::new(&parent);
+        let Ok(found) = StoredRun::read(Path::new(&parent)) else { break };
+        if seen || found.answer.get("specimen") != run.answer.get("specimen") {
+            break;
+        }
+        input = found.input.clone();
+        out.push(found);
+    }
+    out.reverse();
+    out
+}
+
+fn parent_of(input: &str) -> Option<String> {
+    let table: toml::Table = input.parse().ok()?;
+    Some(table.get("parent")?.as_str()?.to_owned())
+}
+
+/// Where a curve is off, segment by segment.
+pub fn atlas(c: &Curve) -> Vec<SegmentMisfit> {
+    diagnose::atlas::atlas(&c.residual(), &segments(c))
+}
+
+/// Stretches of equal segment names; the kind is of no use here.
+pub fn segments(c: &Curve) -> Vec<Segment> {
+    let mut out: Vec<Segment> = Vec::new();
+    for (i, name) in c.segment.iter().enumerate() {
+        match out.last_mut().filter(|s| s.name == *name) {
+            Some(s) => s.range.end = i + 1,
+            None => out.push(Segment { name: name.clone(), range: i..i + 1, kind: SegmentKind::Load }),
+        }
+    }
+    out
+}

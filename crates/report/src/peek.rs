@@ -1,0 +1,28 @@
+//! Looking into answers that are only known as JSON: what is not there is empty.
+
+use serde_json::Value;
+
+/// A string.
+pub fn text<'a>(v: &'a Value, key: &str) -> &'a str {
+    v.get(key).and_then(Value::as_str).unwrap_or("")
+}
+
+/// A number.
+pub fn number(v: &Value, key: &str) -> Option<f64> {
+    v.get(key).and_then(Value::as_f64)
+}
+
+/// Whether something is said to be so.
+pub fn yes(v: &Value, key: &str) -> bool {
+    v.get(key).and_then(Value::as_bool) == Some(true)
+}
+
+/// A list of strings.
+pub fn list(v: &Value, key: &str) -> Vec<String> {
+    rows(v, key).iter().filter_map(|x| x.as_str().map(str::to_owned)).collect()
+}
+
+/// A list of anything.
+pub fn rows<'a>(v: &'a Value, key: &str) -> &'a [Value] {
+    v.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
+}
