@@ -140,6 +140,8 @@ pub struct Base<'a> {
     pub options: RunOptions,
     /// Blocks of the prediction vector.
     pub slots: &'a [crate::Slot],
+    /// First guesses per test from the fit; none where empty.
+    pub warm: &'a [Option<fem::Warm>],
     /// Asked between steps.
     pub cancelled: Cancelled<'a>,
 }
@@ -271,6 +273,8 @@ impl Base<'_> {
             if let (Some(first), true) = (targets.first_mut(), carried.is_some()) {
                 *first = Target { dt: test.test.rest_s.unwrap_or(LONG_REST), rest: true, ..*first };
             }
+            let kept = self.warm.get(t).and_then(Option::as_ref);
+            let warm = kept.map(|w| plan.guesses(&self.model.plan(t, &self.options), w));
             let camera = self.model.camera_at(t, self.theta);
             let mut columns: Vec<&mut (dyn Columns + 'static)> = Vec::new();
             columns.extend(base.iter_mut().map(|c| c as &mut (dyn Columns + 'static)));
@@ -284,7 +288,7 @@ impl Base<'_> {
                 &mut columns,
                 &camera,
                 options.march,
-                None,
+                warm.as_ref(),
                 self.cancelled,
             );
             test.give_back(system);

@@ -29,10 +29,6 @@ pub enum RecordError {
     Empty,
 }
 
-/// Share of the difference to a mesh twice as coarse that the given mesh may still be off: Roache's
-/// grid convergence index (1994, doi:10.1115/1.2910291), second order with its safety factor of 1.25.
-pub const REMAINING: f64 = 1.25 / 3.0;
-
 /// A block's place in the case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slot {
@@ -111,10 +107,11 @@ impl Measured {
     /// The same with the model's numerical error: one column per block, with an unknown factor.
     ///
     /// `difference`: what the given mesh says more than one twice as coarse. What the given mesh
-    /// itself still lacks is [`REMAINING`] of that.
+    /// itself still lacks is less than that if it converges; but a record has its own roughness, and
+    /// naming an effect that is no more than a mesh error is worse than missing one.
     pub fn with_numerical_error(mut self, difference: &DVector<f64>) -> Self {
         for block in &mut self.data.blocks {
-            let column = REMAINING * difference.rows(block.range.start, block.range.len());
+            let column = difference.rows(block.range.start, block.range.len()).into_owned();
             if column.norm() > 0.0 {
                 block.noise.nuisance = vec![column];
             }

@@ -31,10 +31,10 @@ const TRIALS: usize = 5;
 const FAR: f64 = 3.0;
 
 /// Rounds of fit and correction at most.
-const ROUNDS: usize = 3;
+const ROUNDS: usize = 2;
 
 /// A correction that moves by less than this (rms, in noise sd) stands.
-const SETTLED: f64 = 0.15;
+const SETTLED: f64 = 0.3;
 
 /// A rung is worth its own correction when its χ² is within this factor of the best so far.
 const PROMISING: f64 = 1.5;
@@ -63,6 +63,8 @@ pub struct Fitted {
     pub quality: Quality,
     /// What the file's mesh says more than the search mesh, at this fit.
     pub correction: DVector<f64>,
+    /// States of the last run: first guesses.
+    pub warm: Vec<Option<fem::Warm>>,
 }
 
 /// The ladder of one case.
@@ -143,12 +145,12 @@ impl<'a> FeLadder<'a> {
             start::spread(&model, &start, &mut theta);
         }
         let none = DVector::zeros(self.measured.data.points());
-        let mut fitted = self.fit_model(model, theta, 1e-2, none)?;
+        let mut fitted = self.fit_model(model, theta, 1e-2, none, Vec::new())?;
         for _ in 0..ROUNDS {
             let Some(correction) = self.correction_of(&fitted)? else { break };
             let settled = self.change(&correction, &fitted.correction) < SETTLED;
             self.measured = self.measured.clone().with_numerical_error(&correction);
-            fitted = self.fit_model(fitted.model, fitted.theta, TOLERANCE, correction)?;
+            fitted = self.fit_model(fitted.model, fitted.theta, TOLERANCE, correction, fitted.warm)?;
             // A model that misses the record by far is not the answer: once is enough.
             if settled || fitted.quality.reduced_chi2_total > FAR {
                 break;
@@ -191,7 +193,7 @@ impl<'a> FeLadder<'a> {
 
     /// Fits a rung; one that promises to be the answer gets its own correction.
     fn fit_rung(&mut self, model: Model, theta: Vec<f64>, start: DVector<f64>) -> Result<Fitted, AnalysisError> {
-        let mut fitted = self.fit_model(model, theta, TOLERANCE, start)?;
+        let mut fitted = self.fit_model(model, theta, TOLERANCE, start, Vec::new())?;
         let best = self.rungs.values().map(|f| f.quality.reduced_chi2_total).fold(f64::INFINITY, f64::min);
         for _ in 0..ROUNDS {
             if fitted.quality.reduced_chi2_total > PROMISING * best {
@@ -199,7 +201,7 @@ impl<'a> FeLadder<'a> {
             }
             let Some(correction) = self.correction_of(&fitted)? else { break };
             let change = self.change(&correction, &fitted.correction);
-            fitted = self.fit_model(fitted.model, fitted.theta, TOLERANCE, correction)?;
+            fitted = self.fit_model(fitted.model, fitted.theta, TOLERANCE, correction, fitted.warm)?;
             if change < SETTLED {
                 break;
             }
@@ -214,12 +216,13 @@ impl<'a> FeLadder<'a> {
         theta: Vec<f64>,
         tolerance: f64,
         correction: DVector<f64>,
+        states: Vec<Option<fem::Warm>>,
     ) -> Result<Fitted, AnalysisError> {
         let free = model.free();
         let mut list = frees(&model, &theta, &free);
         let literature = self.case.identify.priors.literature.unwrap_or(true);
         priors::add(&mut list, &self.case, literature);
-        let fit = {
+        let (fit, warm) = {
             let mut problem = FeProblem::new(
                 &model,
                 theta.clone(),
@@ -230,6 +233,7 @@ impl<'a> FeLadder<'a> {
             );
             problem.options.march.budget = crate::identify::TRIAL_BUDGET;
             problem.correction = correction.clone();
+            problem.start_from(states);
             let options = FitOptions {
                 tolerance,
                 max_iterations: 12,
@@ -251,14 +255,14 @@ impl<'a> FeLadder<'a> {
                 ControlFlow::Continue(())
             })?;
             self.runs += problem.runs();
-            fit
+            (fit, problem.warm())
         };
         let mut all = theta;
         for (&i, &v) in free.iter().zip(&fit.theta) {
             all[i] = v;
         }
         let quality = quality(&self.measured.data, &list, &fit);
-        Ok(Fitted { model, theta: all, free, frees: list, fit, quality, correction })
+        Ok(Fitted { model, theta: all, free, frees: list, fit, quality, correction, warm })
     }
 
     /// A rung's key: effects in sorted order.
@@ -419,6 +423,7 @@ impl diagnose::Ladder for FeLadder<'_> {
             how: self.how,
             options: self.options,
             slots: &self.measured.slots,
+            warm: &f.warm,
             cancelled: self.cancelled,
         };
         (self.progress)(&format!("screen at [{}]", rung.effects.join(" + ")));

@@ -54,6 +54,20 @@ impl<'a> FeProblem<'a> {
         }
     }
 
+    /// States of the latest runs, per test.
+    pub fn warm(&self) -> Vec<Option<Warm>> {
+        self.warm.lock().map_or_else(|w| w.into_inner().clone(), |w| w.clone())
+    }
+
+    /// Starts from states kept elsewhere.
+    pub fn start_from(&self, states: Vec<Option<Warm>>) {
+        if let Ok(mut warm) = self.warm.lock()
+            && states.len() == warm.len()
+        {
+            *warm = states;
+        }
+    }
+
     /// Forward runs so far.
     pub fn runs(&self) -> usize {
         self.runs.load(Ordering::Relaxed)
@@ -79,7 +93,7 @@ impl<'a> FeProblem<'a> {
         }
         let mut options = self.options;
         options.march.keep_states = true;
-        let warm = self.warm.lock().map_or_else(|w| w.into_inner().clone(), |w| w.clone());
+        let warm = self.warm();
         self.runs.fetch_add(1, Ordering::Relaxed);
         let request =
             Request { theta, seeds, options, wanted: &wanted, warm: &warm, cancelled: self.cancelled };

@@ -101,6 +101,7 @@ fn neutral_is_base_and_columns_are_derivatives() {
         how: Discretisation::default(),
         options: options(),
         slots: &measured.slots,
+        warm: &[],
         cancelled: &|| false,
     }
     .screen()

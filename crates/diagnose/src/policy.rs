@@ -10,7 +10,8 @@ pub struct Policy {
     /// Least expected fall of χ² of a significant effect; 10 is "very strong evidence" (Kass & Raftery 1995).
     pub min_fall: f64,
     /// An effect is called visible when a plausible amplitude gives at least this many standard deviations
-    /// beyond what base parameters can imitate; 4 is seen with 95 % power at p = 0.01.
+    /// beyond what base parameters can imitate. 4 is seen with 95 % power at p = 0.01; 10 is told from its
+    /// rivals and from the error of the mesh, too.
     pub visible_snr: f64,
     /// Share |s⊥|/|s| below which a column counts as zero: derivatives are not more accurate than this.
     pub min_visibility: f64,
@@ -60,7 +61,7 @@ impl Default for Policy {
         Self {
             fdr: 0.01,
             min_fall: 10.0,
-            visible_snr: 4.0,
+            visible_snr: 10.0,
             min_visibility: 1e-4,
             separate_chi2: 9.0,
             look_alike_degrees: 45.0,

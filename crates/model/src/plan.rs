@@ -321,6 +321,22 @@ pub struct Stencil {
 }
 
 impl Plan {
+    /// First guesses for this plan from states kept over another plan of the same test (one without
+    /// steps in its holds, say): the state of the same time, else that from which a hold began.
+    pub fn guesses(&self, other: &Self, warm: &fem::Warm) -> fem::Warm {
+        let same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs().max(1.0);
+        let at_target = (0..self.targets.len())
+            .map(|i| {
+                let after = other.times.partition_point(|t| *t < self.times[i] && !same(*t, self.times[i]));
+                let exact = other.times.get(after).is_some_and(|t| same(*t, self.times[i]));
+                let from = if exact { after } else { after.checked_sub(1)? };
+                let stands = same(other.targets[from].actuator, self.targets[i].actuator);
+                stands.then(|| warm.at_target.get(from).cloned().flatten()).flatten()
+            })
+            .collect();
+        fem::Warm { at_target }
+    }
+
     /// The piece that a time belongs to (the first of two at their common end).
     pub fn place(&self, time: f64, displacement: f64) -> Place {
         let at = self.pieces.partition_point(|p| p.time[1] < time - 1e-9);

@@ -70,12 +70,12 @@ pub fn deviatoric(f: &[f64; 9], x: &Tangent<9>) -> Tangent<9> {
         }
     }
     let mut out = *x;
-    for r in 0..9 {
+    for (r, (stress, row)) in out.0.iter_mut().zip(&mut out.1).enumerate() {
         let (i, j) = (r / 3, r % 3);
-        out.0[r] -= trace / 3.0 * g[r];
-        for s in 0..9 {
+        *stress -= trace / 3.0 * g[r];
+        for (s, x) in row.iter_mut().enumerate() {
             let (n, l) = (s / 3, s % 3);
-            out.1[r][s] -= (g[r] * slope[s] - trace * g[3 * i + l] * g[3 * n + j]) / 3.0;
+            *x -= (g[r] * slope[s] - trace * g[3 * i + l] * g[3 * n + j]) / 3.0;
         }
     }
     out
