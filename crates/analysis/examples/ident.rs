@@ -11,7 +11,8 @@ fn main() {
         let last = Mutex::new(0.0);
         let progress = |p: &analysis::Progress| {
             let now = t.elapsed().as_secs_f64();
-            let name = format!("{} {} p{}", p.stage.word(), if p.coarse { "coarse" } else { "fine" }, p.paths.len());
+            let name =
+                format!("{} {} p{}", p.stage.word(), if p.coarse { "coarse" } else { "fine" }, p.paths.len());
             let mut s = stages.lock().unwrap();
             let mut l = last.lock().unwrap();
             if p.iterate.iteration == 0 || s.last().is_none_or(|x| x.0 != name) {
@@ -37,11 +38,24 @@ fn main() {
         match analysis::identify(Arc::new(case), &cat, &control) {
             Err(e) => println!("{path}: {e}"),
             Ok(d) => {
-                println!("== {path} {:.1}s runs {} its {} stops {:?}", t.elapsed().as_secs_f64(), d.forward_runs, d.iterations, d.stopped);
+                println!(
+                    "== {path} {:.1}s runs {} its {} stops {:?}",
+                    t.elapsed().as_secs_f64(),
+                    d.forward_runs,
+                    d.iterations,
+                    d.stopped
+                );
                 for s in stages.lock().unwrap().iter() {
                     println!("   {:30} runs {:3} rejected {:3} {:7.2}s", s.0, s.1, s.2, s.3);
                 }
-                println!("   quality {:?}", d.quality.blocks.iter().map(|b| (b.name.clone(), b.reduced_chi2_total)).collect::<Vec<_>>());
+                println!(
+                    "   quality {:?}",
+                    d.quality
+                        .blocks
+                        .iter()
+                        .map(|b| (b.name.clone(), b.reduced_chi2_total))
+                        .collect::<Vec<_>>()
+                );
             }
         }
     }

@@ -14,11 +14,18 @@ fn main() {
             let measured = analysis::Measured::of(&m, &wanted).unwrap();
             let theta = m.theta();
             let free = m.free();
-            let p = analysis::FeProblem::new(&m, theta.clone(), free.clone(), &measured.slots, options, &|| false);
+            let p =
+                analysis::FeProblem::new(&m, theta.clone(), free.clone(), &measured.slots, options, &|| {
+                    false
+                });
             let mut values: Vec<f64> = free.iter().map(|&i| theta[i]).collect();
-            for (name, jac, change) in
-                [("cold", false, 0.0), ("warm same", false, 0.0), ("warm +2%", false, 0.02), ("warm +2% jac", true, 0.02), ("warm jac", true, 0.0)]
-            {
+            for (name, jac, change) in [
+                ("cold", false, 0.0),
+                ("warm same", false, 0.0),
+                ("warm +2%", false, 0.02),
+                ("warm +2% jac", true, 0.02),
+                ("warm jac", true, 0.0),
+            ] {
                 for v in &mut values {
                     *v *= 1.0 + change;
                 }

@@ -109,12 +109,20 @@ pub fn case_with(case: &Case, effects: &[EffectConfig]) -> Case {
 
 /// The configuration of an effect at given values (card order).
 pub fn config_of(effect: &Arc<dyn Effect>, values: &[f64]) -> EffectConfig {
-    let specs = effect.parameters(&model::Options::new());
+    config_with(effect, &model::Options::new(), values)
+}
+
+/// The same with settings of the effect.
+pub fn config_with(effect: &Arc<dyn Effect>, settings: &model::Options, values: &[f64]) -> EffectConfig {
+    let specs = effect.parameters(settings);
+    let mut options: model::Options =
+        effect.options().into_iter().filter_map(|o| o.default.map(|d| (o.name, d))).collect();
+    options.extend(settings.clone());
     EffectConfig {
         name: effect.card().name.to_owned(),
         parameters: specs.iter().zip(values).map(|(s, &v)| (s.name.to_string(), Value::new(v))).collect(),
         specs,
-        options: effect.options().into_iter().filter_map(|o| o.default.map(|d| (o.name, d))).collect(),
+        options,
         location: input::Location::default(),
     }
 }

@@ -30,6 +30,11 @@ const TRIALS: usize = 5;
 /// Reduced χ² beyond which a model is far from the record.
 const FAR: f64 = 3.0;
 
+/// A fit that is still this many times worse than the best model known, after so many steps, is
+/// given up: it will not be chosen.
+const HOPELESS: f64 = 4.0;
+const PATIENCE: usize = 4;
+
 /// Rounds of fit and correction at most.
 const ROUNDS: usize = 2;
 
@@ -176,7 +181,10 @@ impl<'a> FeLadder<'a> {
         match problem.predict(&[], false) {
             Ok(p) => Ok(Some(&p.values - (&f.fit.prediction.values - &f.correction))),
             Err(inverse::PredictError::Interrupted) => Err(inverse::PredictError::Interrupted.into()),
-            Err(_) => Ok(None),
+            Err(e) => {
+                (self.progress)(&format!("the file's mesh gives no answer here: {e}"));
+                Ok(None)
+            }
         }
     }
 
@@ -192,7 +200,12 @@ impl<'a> FeLadder<'a> {
     }
 
     /// Fits a rung; one that promises to be the answer gets its own correction.
-    fn fit_rung(&mut self, model: Model, theta: Vec<f64>, start: DVector<f64>) -> Result<Fitted, AnalysisError> {
+    fn fit_rung(
+        &mut self,
+        model: Model,
+        theta: Vec<f64>,
+        start: DVector<f64>,
+    ) -> Result<Fitted, AnalysisError> {
         let mut fitted = self.fit_model(model, theta, TOLERANCE, start, Vec::new())?;
         let best = self.rungs.values().map(|f| f.quality.reduced_chi2_total).fold(f64::INFINITY, f64::min);
         for _ in 0..ROUNDS {
@@ -244,6 +257,7 @@ impl<'a> FeLadder<'a> {
             };
             let progress = self.progress;
             let names = model.effects().join(" + ");
+            let best = self.rungs.values().map(|f| f.fit.f).fold(f64::INFINITY, f64::min);
             let fit = inverse::fit(&problem, &self.measured.data, &list, &options, &mut |i| {
                 if let Some(f) = i.f {
                     progress(&format!(
@@ -252,7 +266,8 @@ impl<'a> FeLadder<'a> {
                         if i.accepted { "" } else { " (rejected)" }
                     ));
                 }
-                ControlFlow::Continue(())
+                let hopeless = i.iteration >= PATIENCE && i.f.is_some_and(|f| f > HOPELESS * best);
+                if hopeless { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             })?;
             self.runs += problem.runs();
             (fit, problem.warm())
@@ -263,6 +278,39 @@ impl<'a> FeLadder<'a> {
         }
         let quality = quality(&self.measured.data, &list, &fit);
         Ok(Fitted { model, theta: all, free, frees: list, fit, quality, correction, warm })
+    }
+
+    /// The same effects with one of them in a richer form, where the fit helps but leaves
+    /// structure and the richer form pays for its parameters.
+    fn richer(&mut self, f: &Fitted) -> Result<Option<Fitted>, AnalysisError> {
+        let best = self.rungs.values().map(|r| r.quality.reduced_chi2_total).fold(f64::INFINITY, f64::min);
+        let chi2 = f.quality.reduced_chi2_total;
+        if chi2 <= self.policy.explained_chi2 || chi2 > best {
+            return Ok(None);
+        }
+        for (at, config) in f.model.case.effects.iter().enumerate() {
+            let Some(effect) = self.catalogue.get(&config.name) else { continue };
+            let value = |s: &params::ParamSpec| {
+                f.model.find(&format!("effects.{}.{}", config.name, s.name)).map(|i| f.theta[i])
+            };
+            let plain: Vec<f64> = config.specs.iter().filter_map(value).collect();
+            let Some((settings, values)) = effect.richer(&plain) else { continue };
+            let mut case = (*f.model.case).clone();
+            case.effects[at] = crate::columns::config_with(effect, &settings, &values);
+            let model = Model::new(Arc::new(case), self.catalogue, self.how)?;
+            let mut theta = transfer(&f.model, &f.theta, &model);
+            for (spec, v) in effect.parameters(&settings).iter().zip(&values) {
+                if let Some(i) = model.find(&format!("effects.{}.{}", config.name, spec.name)) {
+                    theta[i] = *v;
+                }
+            }
+            (self.progress)(&format!("{} in a richer form", config.name));
+            let fitted = self.fit_rung(model, theta, f.correction.clone())?;
+            if fitted.quality.bic + self.policy.add_bic < f.quality.bic {
+                return Ok(Some(fitted));
+            }
+        }
+        Ok(None)
     }
 
     /// A rung's key: effects in sorted order.
@@ -395,7 +443,10 @@ impl diagnose::Ladder for FeLadder<'_> {
             let model = Model::new(Arc::new(case), self.catalogue, self.how)?;
             let theta = transfer(&base.model, &base.theta, &model);
             let start = base.correction.clone();
-            let fitted = self.fit_rung(model, theta, start)?;
+            let mut fitted = self.fit_rung(model, theta, start)?;
+            if let Some(richer) = self.richer(&fitted)? {
+                fitted = richer;
+            }
             self.rungs.insert(key.clone(), fitted);
         }
         let fitted = &self.rungs[&key];

@@ -59,7 +59,8 @@ pub(crate) fn one_area(
                 work.theta.clone_from(&theta);
                 for (i, v) in [(g, from.0), (s, share * from.1)] {
                     if model.parameters[i].free {
-                        work.theta[i] = v.clamp(model.parameters[i].spec.lower, model.parameters[i].spec.upper);
+                        work.theta[i] =
+                            v.clamp(model.parameters[i].spec.lower, model.parameters[i].spec.upper);
                     }
                 }
                 // A start from which the tear cannot be computed is no start.

@@ -37,10 +37,8 @@ pub(crate) fn tissues(case: &Case, frees: &[Free], given: [f64; 5]) -> Vec<[f64;
     let mut list = frees.to_vec();
     priors::add(&mut list, case, true);
     let axes = axes(&list, given);
-    let mut found: Vec<(f64, [f64; 5])> = grid(&axes)
-        .into_par_iter()
-        .filter_map(|tissue| rate(law, tissue, &record, &list))
-        .collect();
+    let mut found: Vec<(f64, [f64; 5])> =
+        grid(&axes).into_par_iter().filter_map(|tissue| rate(law, tissue, &record, &list)).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut kept: Vec<[f64; 5]> = Vec::new();
     for (_, tissue) in found {
@@ -62,9 +60,7 @@ fn points(case: &Case) -> Vec<(f64, f64)> {
     let (u0, every) = (record.displacement[0], n.div_ceil(POINTS).max(1));
     (0..n)
         .step_by(every)
-        .map(|i| {
-            (1.0 + (record.displacement[i] - u0) / g.length, record.force[i] / (g.width * g.thickness))
-        })
+        .map(|i| (1.0 + (record.displacement[i] - u0) / g.length, record.force[i] / (g.width * g.thickness)))
         .filter(|p| p.0 > 1.0)
         .collect()
 }

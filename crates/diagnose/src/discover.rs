@@ -139,8 +139,7 @@ impl<L: Ladder> Search<'_, L> {
 
     /// The best single effect that pays; where it leaves structure, a pair if that is better by `add_bic`.
     fn best_step(&mut self, current: &Rung, screen: &Screen) -> Option<Rung> {
-        let singles = self.shortlist(current, screen);
-        let mut best = self.best_of(current, singles.into_iter().map(|e| vec![e]).collect());
+        let mut best = self.best_single(current, screen);
         let done = |r: &Option<Rung>, policy: &Policy| r.as_ref().is_some_and(|r| r.explained(policy));
         if !done(&best, self.policy) && current.effects.len() + 2 <= self.policy.max_effects {
             let pairs = self.pair_shortlist(current, screen);
@@ -162,6 +161,28 @@ impl<L: Ladder> Search<'_, L> {
                 && best.as_ref().is_none_or(|b| other.bic < b.bic)
             {
                 best = Some(other);
+            }
+        }
+        best
+    }
+
+    /// The best of the shortlist. Once one explains the record, only those are fitted that promised about
+    /// as much: the others could not have taken its place.
+    fn best_single(&mut self, current: &Rung, screen: &Screen) -> Option<Rung> {
+        let promise = |e: &str| screen.finding(e).map_or(0.0, |f| f.fall);
+        let (mut best, mut enough): (Option<Rung>, f64) = (None, 0.0);
+        for name in self.shortlist(current, screen) {
+            if promise(&name) < enough {
+                continue;
+            }
+            let rung = self.best_of(current, vec![vec![name.clone()]]);
+            if rung.as_ref().is_some_and(|r| r.explained(self.policy)) {
+                enough = f64::max(enough, 0.8 * promise(&name));
+            }
+            if let Some(r) = rung
+                && best.as_ref().is_none_or(|b| r.bic < b.bic)
+            {
+                best = Some(r);
             }
         }
         best

@@ -71,9 +71,13 @@ impl Rung {
 
     /// Whether the misfit is at the noise floor.
     pub fn explained(&self, policy: &Policy) -> bool {
+        self.reduced_chi2_total() <= self.largest_explained(policy) && self.structure_p >= policy.structure_p
+    }
+
+    /// Largest reduced χ² that noise and its uncertain level explain.
+    fn largest_explained(&self, policy: &Policy) -> f64 {
         let spread = policy.explained_sigmas * (2.0 / self.freedom.max(1.0)).sqrt();
-        self.reduced_chi2_total() <= policy.explained_chi2.max(1.0 + spread)
-            && self.structure_p >= policy.structure_p
+        policy.explained_chi2.max(1.0 + spread)
     }
 
     /// χ² above what noise alone would leave.
@@ -86,8 +90,10 @@ impl Rung {
 /// the excess goes, and the held-out points are not predicted worse than their sampling spread allows.
 pub fn pays(before: &Rung, after: &Rung, policy: &Policy) -> bool {
     let gain = before.chi2_total - after.chi2_total;
+    let quiet = before.reduced_chi2_total() <= before.largest_explained(policy);
     before.bic - after.bic >= policy.add_bic
         && gain >= policy.min_share * before.excess()
+        && (!quiet || gain >= policy.min_fall_explained)
         && !held_out_worse(before, after, policy)
 }
 

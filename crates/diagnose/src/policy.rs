@@ -43,6 +43,9 @@ pub struct Policy {
     /// The same where the record stays unexplained in the end: an effect that takes less is not named, since
     /// anything smooth bends a little towards what the catalogue does not hold.
     pub min_share_unexplained: f64,
+    /// Least fall of χ² by an effect that is added to a model whose χ² noise explains already: ten sigma,
+    /// since what is left there is of the size of mesh errors and of the noise's uncertain level.
+    pub min_fall_explained: f64,
     /// An effect is confirmed when the held-out χ² falls at least by this share (0: any fall).
     pub held_out_fall: f64,
     /// Largest number of effects.
@@ -74,6 +77,7 @@ impl Default for Policy {
             drop_bic: 6.0,
             tie_bic: 6.0,
             min_share: 0.05,
+            min_fall_explained: 100.0,
             min_share_unexplained: 0.25,
             held_out_fall: 0.0,
             max_effects: 4,

@@ -30,7 +30,9 @@ fn main() {
         println!("{name:20} jets {jets:7.0} ns, hand {} {by_hand:7.0} ns {s:.1e}", hand);
     };
     time(&*base, &base_p, "hgo");
-    for name in ["mullins", "viscoelastic", "fiber_damage", "permanent_set", "stiffness_drift", "fiber_recruitment"] {
+    for name in
+        ["mullins", "viscoelastic", "fiber_damage", "permanent_set", "stiffness_drift", "fiber_recruitment"]
+    {
         let e = cat.get(name).unwrap();
         let piece = Piece { length: 10.0, width: 6.0, thickness: 1.0, cut: 1.0 };
         if let Action::Bulk(wrap) = e.act(&Options::new(), &piece) {

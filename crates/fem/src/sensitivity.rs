@@ -211,6 +211,21 @@ where
         (forces, history)
     }
 
+    /// New history of all bricks with displacements `u` and constant positions.
+    fn history_total(&self, stage: &Stage, u: &[Jet<W>]) -> Vec<Jet<W>> {
+        let nh = self.bulk.len() / self.problem.body.hexes.len().max(1);
+        let mut history = self.bulk.clone();
+        let law = &*self.problem.bulk;
+        history.par_chunks_mut(nh).zip(self.problem.body.hexes.par_iter()).enumerate().for_each(
+            |(e, (new, h))| {
+                let (old, geo) = (&self.bulk[e * nh..(e + 1) * nh], &stage.system.geometry()[e]);
+                let nodes = gather(u, h);
+                hex8::update_history(law, &stage.ctx, &self.local.bulk, geo, &nodes, old, new);
+            },
+        );
+        history
+    }
+
     /// The same with constant displacements and positions: kinematics in plain numbers.
     fn bricks_partial(&self, stage: &Stage) -> BrickForces<W> {
         let nh = self.bulk.len() / self.problem.body.hexes.len().max(1);
@@ -459,8 +474,10 @@ where
         if !self.bulk.is_empty() {
             let new = if self.direct_history {
                 std::mem::take(&mut self.pending)
-            } else {
+            } else if self.in_shape {
                 self.bricks_total(stage, &u).1
+            } else {
+                self.history_total(stage, &u)
             };
             self.moved |= differs(&self.bulk, &new);
             self.bulk = new;

@@ -9,8 +9,8 @@ mod tangent;
 pub mod uniaxial;
 
 pub use fibre::{FAMILIES, fibre_direction, fibre_response, fibre_strain};
-pub use tangent::{fibre_tangent, volumetric_tangent};
 pub use law::{
     D, FIBRE_ONSET, FibreInvariants, GAMMA, Hgo, K1, K2, KAPPA, MU, PARAMETERS, bulk_modulus, d_of,
     matrix_response, volumetric,
 };
+pub use tangent::{fibre_tangent, volumetric_tangent};

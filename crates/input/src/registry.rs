@@ -3,6 +3,7 @@
 use crate::config::OptionValue;
 use params::ParamSpec;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// The catalogue of effects as the reader sees it; implemented by crate `effects`.
 pub trait EffectRegistry {
@@ -11,6 +12,16 @@ pub trait EffectRegistry {
 
     /// Parameters of an effect, in the order of its card; `None` if there is no such effect.
     fn parameters(&self, effect: &str) -> Option<Vec<ParamSpec>>;
+
+    /// The same under options that change the list (a number of branches).
+    fn parameters_with(
+        &self,
+        effect: &str,
+        options: &BTreeMap<String, OptionValue>,
+    ) -> Option<Vec<ParamSpec>> {
+        let _ = options;
+        self.parameters(effect)
+    }
 
     /// Names of effects that cannot be used together with this one.
     fn excludes(&self, effect: &str) -> Vec<String> {

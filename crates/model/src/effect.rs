@@ -223,6 +223,13 @@ pub trait Effect: Send + Sync {
         Vec::new()
     }
 
+    /// A richer form of the same effect: its settings, and its parameters grown from a fit of the
+    /// plain form. A search tries it where the plain form helps but leaves structure.
+    fn richer(&self, plain: &[f64]) -> Option<(Options, Vec<f64>)> {
+        let _ = plain;
+        None
+    }
+
     /// Grid of parameter values on which the neutral amplitude is screened; every entry is a full
     /// parameter vector with the amplitude at its neutral value. One entry where there is no shape.
     fn shapes(&self, scales: &Scales) -> Vec<Vec<f64>>;
@@ -271,6 +278,10 @@ impl input::EffectRegistry for Catalogue {
 
     fn parameters(&self, effect: &str) -> Option<Vec<ParamSpec>> {
         self.get(effect).map(|e| e.parameters(&Options::new()))
+    }
+
+    fn parameters_with(&self, effect: &str, options: &Options) -> Option<Vec<ParamSpec>> {
+        self.get(effect).map(|e| e.parameters(options))
     }
 
     fn excludes(&self, effect: &str) -> Vec<String> {

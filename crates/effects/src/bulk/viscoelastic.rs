@@ -91,6 +91,14 @@ impl Effect for Viscoelastic {
         }]
     }
 
+    /// Two branches a decade apart around the one that was found: tissue hardly relaxes with one time.
+    fn richer(&self, plain: &[f64]) -> Option<(Options, Vec<f64>)> {
+        let [g, tau] = *plain else { return None };
+        let options = Options::from([("branches".to_owned(), OptionValue::Integer(2))]);
+        let within = |tau: f64| tau.clamp(TAU_BOUNDS.0, TAU_BOUNDS.1);
+        Some((options, vec![0.5 * g, within(tau / 3.0), 0.5 * g, within(3.0 * tau)]))
+    }
+
     fn shapes(&self, scales: &Scales) -> Vec<Vec<f64>> {
         // What a record can tell lies between two samples and the whole test.
         let low = (2.0 * scales.sampling).max(scales.duration / 300.0);

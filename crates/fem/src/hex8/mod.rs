@@ -211,8 +211,44 @@ where
     r
 }
 
+/// The history after a step, without forces: displacements over `S`, positions in plain numbers.
+pub fn update_history<S: Over<f64>>(
+    law: &(dyn PointLaw<9> + 'static),
+    ctx: &Context,
+    params: &[S],
+    geo: &Geometry<f64>,
+    u: &[[S; 3]; 8],
+    old: &[S],
+    new: &mut [S],
+) where
+    dyn PointLaw<9>: Law<S, 9>,
+{
+    let nh = old.len() / POINTS;
+    let mut f = [tensor::identity::<S>(); POINTS];
+    let mut det = [S::zero(); POINTS];
+    let (mut volume, mut reference) = (S::zero(), 0.0);
+    for q in 0..POINTS {
+        for a in 0..8 {
+            for i in 0..3 {
+                for j in 0..3 {
+                    f[q][3 * i + j] += u[a][i].times(geo.gradients[q][j][a]);
+                }
+            }
+        }
+        det[q] = tensor::det(&f[q]);
+        volume += det[q].times(geo.volumes[q]);
+        reference += geo.volumes[q];
+    }
+    let j_bar = volume.times(1.0 / reference);
+    for q in 0..POINTS {
+        let s = (j_bar * det[q].recip()).cbrt();
+        let f_bar = f[q].map(|c| c * s);
+        let h = q * nh..(q + 1) * nh;
+        law.respond(ctx, &f_bar, params, &old[h.clone()], &mut new[h]);
+    }
+}
+
 /// F̄ at the points, for energies and fields.
 pub fn mean_dilatation_gradients(geo: &Geometry<f64>, u: &[[f64; 3]; 8]) -> [[f64; 9]; POINTS] {
     kinematics(geo, u).f_bar
 }
-

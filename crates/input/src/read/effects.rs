@@ -10,6 +10,7 @@ use crate::keys::{Fallback, Key, Kind, Limits, closest};
 use crate::registry::{EffectRegistry, OptionKind, OptionSpec};
 use crate::text::short;
 use params::Quantity;
+use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
 /// All effects of the file, in its order.
@@ -23,7 +24,8 @@ pub(crate) fn effects(top: &Section<'_>, registry: &dyn EffectRegistry, tests: &
     let mut out: Vec<EffectConfig> = Vec::new();
     for (key, item) in table {
         let name = key.get_ref().as_ref();
-        let Some(specs) = registry.parameters(name) else {
+        let Some(specs) = registry.parameters_with(name, &whole_numbers(registry, name, item.get_ref()))
+        else {
             context.report(unknown(registry, name), key.span());
             continue;
         };
@@ -53,6 +55,26 @@ pub(crate) fn effects(top: &Section<'_>, registry: &dyn EffectRegistry, tests: &
         });
     }
     out
+}
+
+/// The whole-number options of an effect as they stand in the file, unchecked: they may say which
+/// parameters there are. What is wrong with them is reported when they are read.
+fn whole_numbers(
+    registry: &dyn EffectRegistry,
+    name: &str,
+    item: &DeValue<'_>,
+) -> BTreeMap<String, OptionValue> {
+    let DeValue::Table(table) = item else { return BTreeMap::new() };
+    registry
+        .options(name)
+        .into_iter()
+        .filter_map(|o| {
+            let OptionKind::Integer { min, max } = o.kind else { return None };
+            let DeValue::Integer(i) = table.get(o.name.as_str())?.get_ref() else { return None };
+            let value = i64::from_str_radix(i.as_str(), i.radix()).ok()?;
+            Some((o.name, OptionValue::Integer(value.clamp(min, max))))
+        })
+        .collect()
 }
 
 fn unknown(registry: &dyn EffectRegistry, name: &str) -> Report {
