@@ -173,7 +173,9 @@ impl<'a> FeLadder<'a> {
         case.effects = added;
         let fine = Model::new(Arc::new(case), self.catalogue, Discretisation::default())?;
         let theta = transfer(&f.model, &f.theta, &fine);
-        let options = run_options(&self.case);
+        let mut options = run_options(&self.case);
+        // A run that struggles on the finer mesh is not worth waiting for.
+        options.march.budget = 2 * crate::identify::TRIAL_BUDGET;
         let slots = &self.measured.slots;
         let problem = FeProblem::new(&fine, theta, Vec::new(), slots, options, self.cancelled);
         self.runs += 1;
