@@ -176,6 +176,8 @@ impl<'a> FeLadder<'a> {
         let mut options = run_options(&self.case);
         // A run that struggles on the finer mesh is not worth waiting for.
         options.march.budget = 2 * crate::identify::TRIAL_BUDGET;
+        // As in the search: far below what the mesh does.
+        options.march.newton.tolerance = self.options.march.newton.tolerance;
         let slots = &self.measured.slots;
         let problem = FeProblem::new(&fine, theta, Vec::new(), slots, options, self.cancelled);
         self.runs += 1;
