@@ -11,6 +11,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Asked between steps: whether the user wants to stop.
 pub type Cancelled<'a> = &'a (dyn Fn() -> bool + Sync);
 
+/// Runs kept per test as first guesses.
+const KEPT: usize = 2;
+
 /// A model with some free parameters, compared with some blocks.
 pub struct FeProblem<'a> {
     /// The model.
@@ -26,7 +29,8 @@ pub struct FeProblem<'a> {
     /// Added to the prediction: what a finer mesh says more (zero length: nothing).
     pub correction: DVector<f64>,
     cancelled: Cancelled<'a>,
-    warm: Mutex<Vec<Option<Warm>>>,
+    /// The latest runs per test, newest last: an accepted point and a trial, say.
+    warm: Mutex<Vec<Vec<Warm>>>,
     runs: AtomicUsize,
 }
 
@@ -49,22 +53,45 @@ impl<'a> FeProblem<'a> {
             options,
             correction: DVector::zeros(0),
             cancelled,
-            warm: Mutex::new(vec![None; tests]),
+            warm: Mutex::new(vec![Vec::new(); tests]),
             runs: AtomicUsize::new(0),
         }
     }
 
     /// States of the latest runs, per test.
     pub fn warm(&self) -> Vec<Option<Warm>> {
-        self.warm.lock().map_or_else(|w| w.into_inner().clone(), |w| w.clone())
+        self.kept().iter().map(|runs| runs.last().map(Warm::plain)).collect()
     }
 
     /// Starts from states kept elsewhere.
     pub fn start_from(&self, states: Vec<Option<Warm>>) {
-        if let Ok(mut warm) = self.warm.lock()
-            && states.len() == warm.len()
-        {
-            *warm = states;
+        let mut kept = self.kept();
+        if states.len() == kept.len() {
+            *kept = states.into_iter().map(|w| w.into_iter().collect()).collect();
+        }
+    }
+
+    fn kept(&self) -> std::sync::MutexGuard<'_, Vec<Vec<Warm>>> {
+        self.warm.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+
+    /// The kept run nearest to θ, per test; without derivatives the newest.
+    fn nearest(&self, theta: &[f64]) -> Vec<Option<Warm>> {
+        let near = |runs: &Vec<Warm>| {
+            runs.iter().rev().min_by(|a, b| a.distance(theta).total_cmp(&b.distance(theta))).cloned()
+        };
+        self.kept().iter().map(near).collect()
+    }
+
+    /// Keeps the states of finished runs.
+    fn keep(&self, runs: &[Option<TestRun>], theta: &[f64], seeds: &[usize]) {
+        for (slot, run) in self.kept().iter_mut().zip(runs) {
+            if let Some(r) = run.as_ref().filter(|r| r.run.failure.is_none()) {
+                slot.push(Warm::first_order(&r.run, r.plan.targets.len(), theta, seeds));
+                if slot.len() > KEPT {
+                    slot.remove(0);
+                }
+            }
         }
     }
 
@@ -93,7 +120,8 @@ impl<'a> FeProblem<'a> {
         }
         let mut options = self.options;
         options.march.keep_states = true;
-        let warm = self.warm();
+        options.march.keep_gradients = !seeds.is_empty();
+        let warm = self.nearest(theta);
         self.runs.fetch_add(1, Ordering::Relaxed);
         let request =
             Request { theta, seeds, options, wanted: &wanted, warm: &warm, cancelled: self.cancelled };
@@ -101,13 +129,7 @@ impl<'a> FeProblem<'a> {
         if (self.cancelled)() {
             return Err(PredictError::Interrupted);
         }
-        if let Ok(mut kept) = self.warm.lock() {
-            for (slot, run) in kept.iter_mut().zip(&runs) {
-                if let Some(r) = run.as_ref().filter(|r| r.run.failure.is_none()) {
-                    *slot = Some(Warm::of(&r.run, r.plan.targets.len()));
-                }
-            }
-        }
+        self.keep(&runs, theta, seeds);
         Ok(runs)
     }
 

@@ -27,7 +27,7 @@ pub fn discover<L: Ladder>(
 ) -> Result<Discovery, L::Error> {
     let hints = Hints::new();
     let base = ladder.fit(&[], &hints)?;
-    let first = ladder.screen(&base)?;
+    let mut first = ladder.screen(&base)?;
     let known = BTreeMap::from([(BTreeSet::new(), Some(base.clone()))]);
     let mut search =
         Search { ladder, policy, known, tried: vec![base.clone()], failed: Vec::new(), hints, progress };
@@ -44,6 +44,9 @@ pub fn discover<L: Ladder>(
         (true, false) => Verdict::Explained,
     };
     let (tried, failed) = (search.tried, search.failed);
+    if verdict == Verdict::NothingMissing {
+        first.set_aside_significant();
+    }
     Ok(Discovery {
         ladder: rungs,
         tried,
@@ -203,10 +206,12 @@ impl<L: Ladder> Search<'_, L> {
     /// The most significant effects, and the look-alikes that explain about as much.
     fn shortlist(&self, current: &Rung, screen: &Screen) -> Vec<String> {
         let mut names: Vec<String> = Vec::new();
+        // What would not pay for itself even at twice the promise is not worth a fit.
+        let least = if current.explained(self.policy) { 0.5 * self.policy.min_fall_explained } else { 0.0 };
         let mut significant: Vec<_> = screen
             .findings
             .iter()
-            .filter(|f| f.significant && !current.effects.contains(&f.effect))
+            .filter(|f| f.significant && f.fall >= least && !current.effects.contains(&f.effect))
             .collect();
         significant.sort_by(|a, b| b.fall.total_cmp(&a.fall).then(a.effect.cmp(&b.effect)));
         for f in significant.into_iter().take(self.policy.refits) {

@@ -51,6 +51,9 @@ pub struct Finding {
     pub look_alikes: Vec<String>,
     /// The derivative does not tell; a short refit decides.
     pub refit_only: bool,
+    /// Significant, but of a size that the error of the mesh has as well, on a record that noise
+    /// explains: not named, and not excluded.
+    pub set_aside: bool,
 }
 
 /// The whole catalogue against one misfit.
@@ -67,6 +70,14 @@ pub struct Screen {
 }
 
 impl Screen {
+    /// Sets aside what is significant: the search named nothing, and these records cannot exclude it.
+    pub(crate) fn set_aside_significant(&mut self) {
+        for f in self.findings.iter_mut().filter(|f| f.significant) {
+            f.set_aside = true;
+            f.visible = false;
+        }
+    }
+
     /// What was found about one effect.
     pub fn finding(&self, effect: &str) -> Option<&Finding> {
         self.findings.iter().find(|f| f.effect == effect)
@@ -266,6 +277,7 @@ fn finding(p: &Projected, chi2: f64, policy: &Policy) -> Finding {
         significant: false,
         look_alikes: Vec::new(),
         refit_only: c.refit_only,
+        set_aside: false,
     }
 }
 

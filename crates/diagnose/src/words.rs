@@ -12,6 +12,13 @@ pub fn finding(f: &Finding, policy: &Policy) -> String {
         return format!("{name}: its derivative at neutral does not tell; a short refit decides.");
     }
     let alike = alike(&f.look_alikes);
+    if f.set_aside {
+        return format!(
+            "{name} would take away {:.0} % of χ² (p = {}): as little as the error of the mesh may do. A small amount of it cannot be excluded.{alike}",
+            100.0 * f.expected_fall,
+            p_value(f.p_value)
+        );
+    }
     if f.significant {
         let estimate: Vec<String> = f
             .amplitudes

@@ -25,6 +25,7 @@ fn element(c: &mut Criterion) {
     let mut group = c.benchmark_group("brick");
     let nodes = fem::gather8(&state.u, &problem.body.hexes[20]);
     let mut out = hex8::Tangent::default();
+    let mut scratch = hex8::Scratch::default();
     group.throughput(Throughput::Elements(1));
     group.bench_function("tangent, HGO by hand", |b| {
         b.iter(|| {
@@ -38,6 +39,7 @@ fn element(c: &mut Criterion) {
                 &nodes,
                 &[],
                 &mut [],
+                &mut scratch,
                 &mut out,
             )
         })

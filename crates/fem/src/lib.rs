@@ -22,13 +22,15 @@ mod problem;
 pub mod sensitivity;
 mod state;
 mod system;
+mod warm;
 
 pub use energy::Ledger;
 pub use equilibrium::{Control, NewtonOptions};
 pub use error::{ElementFault, FemError};
-pub use march::{Jump, MarchOptions, NoObserver, Observer, Run, StepRecord, Target, Warm, march};
+pub use march::{Jump, MarchOptions, NoObserver, Observer, Run, StepRecord, Target, march};
 pub use problem::{
     Blend, Body, CohesiveElement, Link, LocalParams, MountField, Path, Prescribed, Problem, ShapeField,
 };
 pub use state::{History, State, gather4, gather8};
 pub use system::{NONE, System};
+pub use warm::Warm;

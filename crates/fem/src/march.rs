@@ -10,6 +10,7 @@ use crate::problem::{LocalParams, Problem};
 use crate::sensitivity::{Columns, Stage, StepDerivatives};
 use crate::state::State;
 use crate::system::System;
+use crate::warm::{Warm, warm_guess};
 use constitutive::Context;
 use std::sync::Arc;
 
@@ -45,6 +46,8 @@ pub struct MarchOptions {
     pub ledger: bool,
     /// Whether displacements of every step are kept (fields, warm starts).
     pub keep_states: bool,
+    /// Whether their derivatives by the columns are kept too (better warm starts).
+    pub keep_gradients: bool,
     /// Arc length of a path step, mm (path control, and the passage of a jump).
     pub arc_step: f64,
     /// Follow the equilibrium path instead of standing at planned displacements.
@@ -62,6 +65,7 @@ impl Default for MarchOptions {
             continuity: 0.05,
             ledger: false,
             keep_states: false,
+            keep_gradients: false,
             arc_step: 0.05,
             follow_path: false,
             budget: usize::MAX,
@@ -146,6 +150,8 @@ pub struct Run {
     pub states: Vec<Arc<Vec<f64>>>,
     /// Histories of each step, where kept: the paths (δ_max) for fields.
     pub path_histories: Vec<Arc<Vec<f64>>>,
+    /// du/dθ of each step, where kept: `[dof * columns + c]`. Single precision: a first guess.
+    pub gradients: Vec<Arc<Vec<f32>>>,
     /// Jumps.
     pub jumps: Vec<Jump>,
     /// Newton iterations (factorisations while iterating), rejected attempts included.
@@ -154,26 +160,6 @@ pub struct Run {
     pub last: Option<State>,
     /// Why the run ended before its plan did.
     pub failure: Option<FemError>,
-}
-
-/// States of an earlier run over the same plan: first guesses for this one.
-#[derive(Clone, Debug, Default)]
-pub struct Warm {
-    /// Displacements at each target, where known.
-    pub at_target: Vec<Option<Arc<Vec<f64>>>>,
-}
-
-impl Warm {
-    /// The states of a run that kept them.
-    pub fn of(run: &Run, targets: usize) -> Self {
-        let mut at_target = vec![None; targets];
-        for (step, u) in run.steps.iter().zip(&run.states) {
-            if let Some(t) = step.target {
-                at_target[t] = Some(u.clone());
-            }
-        }
-        Self { at_target }
-    }
 }
 
 /// A visited state that an elastic excursion may come back to.
@@ -254,7 +240,7 @@ pub fn march(
         if m.revisit(index, target) {
             continue;
         }
-        let known = warm.and_then(|w| w.at_target.get(index).cloned().flatten());
+        let known = warm.and_then(|w| w.state(index, theta));
         let guess = known.as_ref().map(|u| warm_guess(u, &differences));
         if let Err(e) = m.reach(index, target, guess) {
             m.run.failure = Some(e);
@@ -272,15 +258,6 @@ pub fn march(
     }
     m.run.last = Some(m.state);
     m.run
-}
-
-/// Earlier run's state plus the extrapolated difference between the runs.
-fn warm_guess(u: &[f64], differences: &[Vec<f64>]) -> Vec<f64> {
-    match differences {
-        [] => u.to_vec(),
-        [d] => u.iter().zip(d).map(|(u, d)| u + d).collect(),
-        [.., d0, d1] => u.iter().zip(d0.iter().zip(d1)).map(|(u, (d0, d1))| u + 2.0 * d1 - d0).collect(),
-    }
 }
 
 impl March<'_> {
@@ -312,6 +289,9 @@ impl March<'_> {
         if self.options.keep_states {
             self.run.states.push(self.run.states[step].clone());
             self.run.path_histories.push(self.run.path_histories[step].clone());
+        }
+        if self.options.keep_gradients {
+            self.run.gradients.push(self.run.gradients[step].clone());
         }
         self.recent.clear();
         self.run.steps.push(record);
@@ -552,7 +532,7 @@ pub(crate) fn fresh_commit(
     border: &Border,
 ) -> Result<(), FemError> {
     let ctx = Context { time, ..m.context(dt) };
-    let derivatives = differentiate(m, &fresh, ctx, arc, border)?;
+    let (derivatives, gradient) = differentiate(m, &fresh, ctx, arc, border)?;
     let slope = m.actuator_slope(border, &fresh);
     let ledger = if m.options.ledger { add_up(m, &fresh, ctx, slope) } else { Ledger::default() };
     let moved = m.columns.iter().any(|c| c.moved()) || history_moved(&m.state, &fresh);
@@ -578,6 +558,9 @@ pub(crate) fn fresh_commit(
     if m.options.keep_states {
         m.run.states.push(Arc::new(m.state.u.clone()));
         m.run.path_histories.push(Arc::new(m.state.history.path.clone()));
+    }
+    if m.options.keep_gradients {
+        m.run.gradients.push(Arc::new(gradient));
     }
     if m.reusable {
         if moved {
@@ -610,9 +593,9 @@ fn differentiate(
     ctx: Context,
     arc: Option<[f64; 2]>,
     border: &Border,
-) -> Result<StepDerivatives, FemError> {
+) -> Result<(StepDerivatives, Vec<f32>), FemError> {
     if m.columns.is_empty() {
-        return Ok(StepDerivatives::default());
+        return Ok((StepDerivatives::default(), Vec::new()));
     }
     let n = m.system.unknowns;
     let mut rhs = Vec::new();
@@ -626,10 +609,16 @@ fn differentiate(
     m.system.factor.solve(&mut rhs, count)?;
     let stage = Stage { system: m.system, state: fresh, ctx, arc };
     let mut all = StepDerivatives::default();
+    let mut gradient = vec![0.0_f32; if m.options.keep_gradients { count * fresh.u.len() } else { 0 }];
     let mut at = 0;
     for c in m.columns.iter_mut() {
         let k = c.count();
         let (du, d) = c.total(&stage, border, &rhs[at * n..(at + k) * n]);
+        for (row, from) in gradient.chunks_exact_mut(count).zip(du.chunks_exact(k)) {
+            for (g, d) in row[at..at + k].iter_mut().zip(from) {
+                *g = *d as f32;
+            }
+        }
         at += k;
         all.force.extend(d.force);
         all.grip.extend(d.grip);
@@ -643,7 +632,7 @@ fn differentiate(
             }
         }
     }
-    Ok(all)
+    Ok((all, gradient))
 }
 
 /// Ledger after a step: work by the trapezoid with end slopes (fourth order).

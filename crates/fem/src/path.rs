@@ -239,6 +239,9 @@ fn land(
         let keep_states = states + (keep - first);
         m.run.states.drain(keep_states..m.run.states.len() - 1);
         m.run.path_histories.drain(keep_states..m.run.path_histories.len() - 1);
+        if m.options.keep_gradients {
+            m.run.gradients.drain(keep_states..m.run.gradients.len() - 1);
+        }
     }
     m.run.steps.truncate(keep);
     m.run.jumps.push(Jump {

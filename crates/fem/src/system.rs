@@ -215,7 +215,7 @@ impl System {
     ) -> Result<(), ElementFault> {
         let nh = problem.bulk_history() * hex8::POINTS;
         let geometry = &self.geometry;
-        let one = |e: usize, out: &mut hex8::Tangent, new: &mut [f64]| {
+        let one = |e: usize, scratch: &mut hex8::Scratch, out: &mut hex8::Tangent, new: &mut [f64]| {
             let nodes = gather8(u, &problem.body.hexes[e]);
             hex8::tangent(
                 e,
@@ -226,6 +226,7 @@ impl System {
                 &nodes,
                 &old.bulk[e * nh..(e + 1) * nh],
                 new,
+                scratch,
                 out,
             )
         };
@@ -234,7 +235,9 @@ impl System {
                 .par_chunks_mut(GRAIN)
                 .enumerate()
                 .map(|(c, outs)| {
-                    outs.iter_mut().enumerate().try_for_each(|(k, out)| one(c * GRAIN + k, out, &mut []))
+                    let mut scratch = hex8::Scratch::default();
+                    let mut bricks = outs.iter_mut().enumerate();
+                    bricks.try_for_each(|(k, out)| one(c * GRAIN + k, &mut scratch, out, &mut []))
                 })
                 .collect()
         } else {
@@ -243,10 +246,9 @@ impl System {
                 .zip(new.bulk.par_chunks_mut(GRAIN * nh))
                 .enumerate()
                 .map(|(c, (outs, hs))| {
-                    outs.iter_mut()
-                        .zip(hs.chunks_mut(nh))
-                        .enumerate()
-                        .try_for_each(|(k, (out, h))| one(c * GRAIN + k, out, h))
+                    let mut scratch = hex8::Scratch::default();
+                    let mut bricks = outs.iter_mut().zip(hs.chunks_mut(nh)).enumerate();
+                    bricks.try_for_each(|(k, (out, h))| one(c * GRAIN + k, &mut scratch, out, h))
                 })
                 .collect()
         };

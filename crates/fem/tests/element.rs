@@ -61,7 +61,8 @@ fn brick_tangent_is_the_derivative_of_the_residual() {
             let (x, u) = brick(seed);
             let geo = hex8::geometry(&x);
             let mut hand = hex8::Tangent::default();
-            hex8::tangent(0, law, &CTX, &params, &geo, &u, &[], &mut [], &mut hand).unwrap();
+            let scratch = &mut hex8::Scratch::default();
+            hex8::tangent(0, law, &CTX, &params, &geo, &u, &[], &mut [], scratch, &mut hand).unwrap();
             let (r, k) = jet_tangent(law, &params, &x, &u);
             let scale = k.iter().flatten().fold(0.0f64, |m, v| m.max(v.abs()));
             let force = r.iter().fold(0.0f64, |m, v| m.max(v.abs()));

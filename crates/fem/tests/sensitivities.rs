@@ -55,6 +55,11 @@ fn differentiate(build: Build, theta: &[f64], seeds: &[usize], targets: &[Target
     run
 }
 
+/// Largest derivative of the force by a seed.
+fn size(run: &Run, k: usize) -> f64 {
+    run.steps.iter().fold(0.0f64, |m, s| m.max(s.derivatives.force[k].abs()))
+}
+
 /// Worst relative error of each seed.
 fn check(title: &str, build: Build, theta: &[f64], names: &[&str], targets: &[Target]) {
     let seeds: Vec<usize> = (0..theta.len()).collect();
@@ -63,18 +68,26 @@ fn check(title: &str, build: Build, theta: &[f64], names: &[&str], targets: &[Ta
     println!("{title}: {} steps, peak {top:.4} N", exact.steps.len());
     let mut bad = Vec::new();
     for &k in &seeds {
-        let h = 2e-5 * theta[k].abs().max(if theta[k] == 0.0 { 0.5 } else { 0.0 });
-        let at = |by: f64| {
-            let mut t = theta.to_vec();
-            t[k] += by;
-            let run = complete(&build(&t), &t, targets, options());
-            assert_eq!(run.steps.len(), exact.steps.len(), "the same steps");
-            run.steps.iter().map(|s| s.force).collect::<Vec<_>>()
+        let scale = size(&exact, k);
+        let step = 2e-5 * theta[k].abs().max(if theta[k] == 0.0 { 0.5 } else { 0.0 });
+        let difference = |h: f64| {
+            let at = |by: f64| {
+                let mut t = theta.to_vec();
+                t[k] += by;
+                let run = complete(&build(&t), &t, targets, options());
+                assert_eq!(run.steps.len(), exact.steps.len(), "the same steps");
+                run.steps.iter().map(|s| s.force).collect::<Vec<_>>()
+            };
+            let (up, down) = (at(h), at(-h));
+            let ours = exact.steps.iter().map(|s| s.derivatives.force[k]);
+            ours.zip(up.iter().zip(&down))
+                .fold(0.0f64, |m, (d, (u, l))| m.max(((u - l) / (2.0 * h) - d).abs()))
         };
-        let (up, down) = (at(h), at(-h));
-        let ours: Vec<f64> = exact.steps.iter().map(|s| s.derivatives.force[k]).collect();
-        let scale = ours.iter().fold(0.0f64, |m, d| m.max(d.abs()));
-        let error = (0..up.len()).fold(0.0f64, |m, i| m.max(((up[i] - down[i]) / (2.0 * h) - ours[i]).abs()));
+        let mut error = difference(step);
+        if error > 1e-5 * scale {
+            // Of a parameter that is hardly felt a short difference holds mostly rounding.
+            error = error.min(difference(10.0 * step));
+        }
         let unit = if theta[k] == 0.0 { 0.5 } else { theta[k].abs() };
         let name = names.get(k).copied().unwrap_or("?");
         let felt = scale * unit / top;

@@ -334,7 +334,7 @@ impl Plan {
                 stands.then(|| warm.at_target.get(from).cloned().flatten()).flatten()
             })
             .collect();
-        fem::Warm { at_target }
+        fem::Warm::at(at_target)
     }
 
     /// The piece that a time belongs to (the first of two at their common end).

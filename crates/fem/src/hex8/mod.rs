@@ -8,7 +8,7 @@
 
 mod tangent;
 
-pub use tangent::{Tangent, tangent};
+pub use tangent::{Scratch, Tangent, tangent};
 
 use constitutive::{Context, Law, Over, PointLaw, Scalar, tensor};
 

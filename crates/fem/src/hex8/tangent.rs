@@ -41,6 +41,19 @@ impl Default for Tangent {
     }
 }
 
+/// Working memory of [`tangent`], kept between bricks: clearing it each time would cost as much as
+/// the law.
+pub struct Scratch {
+    answers: [Answer; POINTS],
+    points: [Point; POINTS],
+}
+
+impl Default for Scratch {
+    fn default() -> Self {
+        Self { answers: [NO_ANSWER; POINTS], points: [NO_POINT; POINTS] }
+    }
+}
+
 impl Tangent {
     /// ∂residual_i/∂u_j, N/mm.
     pub fn entry(&self, i: usize, j: usize) -> f64 {
@@ -125,11 +138,14 @@ fn deform(geo: &Geometry<f64>, u: &[Lane; 3]) -> Deformation {
 }
 
 /// Stress and modulus of the law at a point.
+#[derive(Clone, Copy)]
 struct Answer {
     p: Matrix,
     a: [Matrix; 9],
     mean_stress: f64,
 }
+
+const NO_ANSWER: Answer = Answer { p: [0.0; 9], a: [[0.0; 9]; 9], mean_stress: 0.0 };
 
 /// Residual and tangent.
 ///
@@ -145,6 +161,7 @@ pub fn tangent(
     u: &[[f64; 3]; 8],
     old: &[f64],
     new: &mut [f64],
+    scratch: &mut Scratch,
     out: &mut Tangent,
 ) -> Result<(), ElementFault> {
     let lanes: [Lane; 3] = std::array::from_fn(|i| Lane::new(std::array::from_fn(|a| u[a][i])));
@@ -155,11 +172,10 @@ pub fn tangent(
     }
     let j_bar = d.volume / geo.volumes.iter().sum::<f64>();
     let nh = old.len() / POINTS;
-    let mut answers: [Answer; POINTS] =
-        std::array::from_fn(|_| Answer { p: [0.0; 9], a: [[0.0; 9]; 9], mean_stress: 0.0 });
+    let (Scratch { answers, points }, Tangent { residual: forces, rows }) = (scratch, out);
     let (mut pressure, mut scales) = (0.0, [0.0; POINTS]);
     for q in 0..POINTS {
-        let scale = (j_bar / d.j[q]).cbrt();
+        let scale = constitutive::Scalar::cbrt(j_bar / d.j[q]);
         scales[q] = scale;
         for c in &mut d.f[q] {
             *c *= scale;
@@ -178,7 +194,6 @@ pub fn tangent(
         return Err(ElementFault::Overflow { element, stretch });
     }
     let mut residual = NO_LANES;
-    let mut points = [NO_POINT; POINTS];
     for q in 0..POINTS {
         let scale = Lane::splat(scales[q]);
         points[q].g = geo.gradients[q].map(|g| Lane::from(g) * scale);
@@ -187,14 +202,14 @@ pub fn tangent(
     for i in 0..3 {
         residual[i] = d.mean[i].mul_add(Lane::splat(pressure), residual[i]);
         for (a, r) in residual[i].as_array().iter().enumerate() {
-            out.residual[3 * a + i] = *r;
+            forces[3 * a + i] = *r;
         }
     }
     for a in 0..4 {
-        rows_of_low_node(&points, &d.mean, pressure, a, &mut out.rows);
+        rows_of_low_node(points, &d.mean, pressure, a, rows);
     }
     for a in 4..8 {
-        rows_of_high_node(&points, &d.mean, pressure, a, &mut out.rows);
+        rows_of_high_node(points, &d.mean, pressure, a, rows);
     }
     Ok(())
 }

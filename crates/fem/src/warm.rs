@@ -1,0 +1,91 @@
+//! First guesses from an earlier run over the same plan: its states, moved by their derivatives to
+//! the new parameters.
+
+use crate::march::Run;
+use std::sync::Arc;
+
+/// States of an earlier run over the same plan, with their derivatives where that run had them.
+#[derive(Clone, Debug, Default)]
+pub struct Warm {
+    /// Displacements at each target, where known.
+    pub at_target: Vec<Option<Arc<Vec<f64>>>>,
+    first_order: Option<FirstOrder>,
+}
+
+/// How the states move with the parameters.
+#[derive(Clone, Debug)]
+struct FirstOrder {
+    theta: Vec<f64>,
+    seeds: Vec<usize>,
+    at_target: Vec<Option<Arc<Vec<f32>>>>,
+}
+
+impl Warm {
+    /// The states of a run that kept them.
+    pub fn of(run: &Run, targets: usize) -> Self {
+        Self { at_target: pick(run, &run.states, targets), first_order: None }
+    }
+
+    /// States known at some targets only.
+    pub const fn at(at_target: Vec<Option<Arc<Vec<f64>>>>) -> Self {
+        Self { at_target, first_order: None }
+    }
+
+    /// The states with their derivatives by `seeds`, of a run at `theta` that kept both.
+    pub fn first_order(run: &Run, targets: usize, theta: &[f64], seeds: &[usize]) -> Self {
+        let gradients = FirstOrder {
+            theta: theta.to_vec(),
+            seeds: seeds.to_vec(),
+            at_target: pick(run, &run.gradients, targets),
+        };
+        Self { first_order: (!seeds.is_empty()).then_some(gradients), ..Self::of(run, targets) }
+    }
+
+    /// The states alone: little to keep.
+    pub fn plain(&self) -> Self {
+        Self { at_target: self.at_target.clone(), first_order: None }
+    }
+
+    /// How far the run's parameters were from these: root of the sum of squared relative changes;
+    /// infinite where the derivatives do not cover the change.
+    pub fn distance(&self, theta: &[f64]) -> f64 {
+        let Some(f) = &self.first_order else { return f64::INFINITY };
+        let relative = |(a, b): (&f64, &f64)| if a == b { 0.0 } else { (a - b) / a.abs().max(b.abs()) };
+        f.theta.iter().zip(theta).map(relative).map(|d| d * d).sum::<f64>().sqrt()
+    }
+
+    /// The state at a target, moved to the parameters `theta`.
+    pub(crate) fn state(&self, target: usize, theta: &[f64]) -> Option<Vec<f64>> {
+        let known = self.at_target.get(target)?.as_ref()?;
+        let mut u = known.to_vec();
+        if let Some(f) = &self.first_order
+            && let Some(Some(gradient)) = f.at_target.get(target)
+        {
+            let change: Vec<f64> = f.seeds.iter().map(|&s| theta[s] - f.theta[s]).collect();
+            for (u, row) in u.iter_mut().zip(gradient.chunks_exact(change.len())) {
+                *u += row.iter().zip(&change).map(|(&g, c)| f64::from(g) * c).sum::<f64>();
+            }
+        }
+        Some(u)
+    }
+}
+
+/// What the steps that answer targets kept.
+fn pick<T>(run: &Run, kept: &[Arc<T>], targets: usize) -> Vec<Option<Arc<T>>> {
+    let mut at_target = vec![None; targets];
+    for (step, k) in run.steps.iter().zip(kept) {
+        if let Some(t) = step.target {
+            at_target[t] = Some(k.clone());
+        }
+    }
+    at_target
+}
+
+/// Earlier run's state plus the extrapolated difference between the runs.
+pub(crate) fn warm_guess(u: &[f64], differences: &[Vec<f64>]) -> Vec<f64> {
+    match differences {
+        [] => u.to_vec(),
+        [d] => u.iter().zip(d).map(|(u, d)| u + d).collect(),
+        [.., d0, d1] => u.iter().zip(d0.iter().zip(d1)).map(|(u, (d0, d1))| u + 2.0 * d1 - d0).collect(),
+    }
+}
