@@ -284,31 +284,42 @@ impl<'a> FeLadder<'a> {
         Ok(Fitted { model, theta: all, free, frees: list, fit, quality, correction, warm })
     }
 
-    /// The same effects with one of them in a richer form, where the fit helps but leaves
-    /// structure and the richer form pays for its parameters.
-    fn richer(&mut self, f: &Fitted) -> Result<Option<Fitted>, AnalysisError> {
+    /// The same effects with one of them in another form, where the fit helps but leaves structure,
+    /// as long as a form pays for its parameters.
+    fn enrich(&mut self, mut f: Fitted) -> Result<Fitted, AnalysisError> {
         let best = self.rungs.values().map(|r| r.quality.reduced_chi2_total).fold(f64::INFINITY, f64::min);
-        let chi2 = f.quality.reduced_chi2_total;
-        if chi2 <= self.policy.explained_chi2 || chi2 > best {
+        if f.quality.reduced_chi2_total > best {
+            return Ok(f);
+        }
+        for at in 0..f.model.case.effects.len() {
+            while let Some(better) = self.better_form(&f, at)? {
+                f = better;
+            }
+        }
+        Ok(f)
+    }
+
+    /// The first other form of one effect that pays, if the record is not explained yet.
+    fn better_form(&mut self, f: &Fitted, at: usize) -> Result<Option<Fitted>, AnalysisError> {
+        if f.quality.reduced_chi2_total <= self.policy.explained_chi2 {
             return Ok(None);
         }
-        for (at, config) in f.model.case.effects.iter().enumerate() {
-            let Some(effect) = self.catalogue.get(&config.name) else { continue };
-            let value = |s: &params::ParamSpec| {
-                f.model.find(&format!("effects.{}.{}", config.name, s.name)).map(|i| f.theta[i])
-            };
-            let plain: Vec<f64> = config.specs.iter().filter_map(value).collect();
-            let Some((settings, values)) = effect.richer(&plain) else { continue };
+        let config = &f.model.case.effects[at];
+        let Some(effect) = self.catalogue.get(&config.name) else { return Ok(None) };
+        let path = |s: &params::ParamSpec| format!("effects.{}.{}", config.name, s.name);
+        let values: Vec<f64> =
+            config.specs.iter().filter_map(|s| f.model.find(&path(s)).map(|i| f.theta[i])).collect();
+        for (settings, values) in effect.richer(&config.options, &values) {
             let mut case = (*f.model.case).clone();
             case.effects[at] = crate::columns::config_with(effect, &settings, &values);
             let model = Model::new(Arc::new(case), self.catalogue, self.how)?;
             let mut theta = transfer(&f.model, &f.theta, &model);
             for (spec, v) in effect.parameters(&settings).iter().zip(&values) {
-                if let Some(i) = model.find(&format!("effects.{}.{}", config.name, spec.name)) {
+                if let Some(i) = model.find(&path(spec)) {
                     theta[i] = *v;
                 }
             }
-            (self.progress)(&format!("{} in a richer form", config.name));
+            (self.progress)(&format!("{} in another form: {}", config.name, in_words(&settings)));
             let fitted = self.fit_rung(model, theta, f.correction.clone())?;
             if fitted.quality.bic + self.policy.add_bic < f.quality.bic {
                 return Ok(Some(fitted));
@@ -403,6 +414,9 @@ impl<'a> FeLadder<'a> {
             .iter()
             .filter(|e| !self.case.effects.iter().any(|c| &&c.name == e))
             .filter_map(|name| {
+                if let Some(known) = base.model.case.effects.iter().find(|c| &c.name == name) {
+                    return Some(known.clone());
+                }
                 let effect = self.catalogue.get(name)?;
                 let specs = effect.parameters(&model::Options::new());
                 let mut values = effect.start(&scales);
@@ -413,6 +427,12 @@ impl<'a> FeLadder<'a> {
             })
             .collect()
     }
+}
+
+/// Settings as a file would give them.
+fn in_words(settings: &model::Options) -> String {
+    let one = |(name, value): (&String, &input::OptionValue)| format!("{name} = {value}");
+    settings.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
 /// Start values from a finding: its shape, and its amplitude held inside the plausible.
@@ -447,10 +467,8 @@ impl diagnose::Ladder for FeLadder<'_> {
             let model = Model::new(Arc::new(case), self.catalogue, self.how)?;
             let theta = transfer(&base.model, &base.theta, &model);
             let start = base.correction.clone();
-            let mut fitted = self.fit_rung(model, theta, start)?;
-            if let Some(richer) = self.richer(&fitted)? {
-                fitted = richer;
-            }
+            let fitted = self.fit_rung(model, theta, start)?;
+            let fitted = self.enrich(fitted)?;
             self.rungs.insert(key.clone(), fitted);
         }
         let fitted = &self.rungs[&key];

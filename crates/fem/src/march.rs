@@ -57,6 +57,9 @@ pub struct MarchOptions {
     pub budget: usize,
 }
 
+/// Share of a planned step below which Newton gets more iterations instead of shorter steps alone.
+const STUBBORN: f64 = 0.2;
+
 impl Default for MarchOptions {
     fn default() -> Self {
         Self {
@@ -184,6 +187,8 @@ pub(crate) struct March<'a> {
     visits: Vec<Visit>,
     reusable: bool,
     recent: Vec<(f64, Vec<f64>)>,
+    /// Cuts have not helped so far: Newton gets more iterations.
+    stubborn: bool,
     train_energy: f64,
 }
 
@@ -215,6 +220,7 @@ pub fn march(
         largest_force: 0.0,
         visits: Vec::new(),
         recent: Vec::new(),
+        stubborn: false,
         train_energy: 0.0,
         problem,
         system,
@@ -313,6 +319,7 @@ impl March<'_> {
             let last = end > 1.0 - 1e-12;
             let actuator = if last { target.actuator } else { start + end * travel };
             let dt = (end - done) * target.dt;
+            self.stubborn = share < STUBBORN;
             match self.attempt(actuator, dt, clock, guess.take()) {
                 Ok((border, iterations, fresh)) => {
                     fresh_commit(
@@ -455,8 +462,8 @@ impl March<'_> {
             return Err(FemError::Setup(format!("more than {} Newton iterations", self.options.budget)));
         }
         // Leaving the load-free state every fibre decides whether it is taut: an active-set search
-        // that smaller steps do not shorten.
-        let patience = if self.run.steps.len() < 2 { 4 } else { 1 };
+        // that smaller steps do not shorten. Nor do they where a few cuts did not help.
+        let patience = if self.run.steps.len() < 2 || self.stubborn { 4 } else { 1 };
         let newton = NewtonOptions {
             max_iterations: patience * self.options.newton.max_iterations,
             ..self.options.newton

@@ -125,6 +125,22 @@ pub fn fibre_response<S: Scalar>(law: &Hgo, f: &[S; 9], params: &[S], family: us
     part.response(&kin)
 }
 
+/// Fictitious second Piola stress 2 ∂Ψ_f/∂C̄ of one fibre family, 0 or 1, at C̄ = J^(−2/3) C: MPa, as
+/// [xx, yy, zz, xy, yz, xz]. Its deviator with respect to C, times J^(−2/3), is the family's stress
+/// (with isochoric invariants, whatever `law` says of them).
+pub fn fibre_fictitious_stress<S: Scalar>(law: &Hgo, f: &[S; 9], params: &[S], family: usize) -> [S; 6] {
+    let kin = Kinematics::new(f);
+    let law = Hgo { fibre_invariants: FibreInvariants::Isochoric, ..*law };
+    let fibre = &Family::both(&law, &kin, params)[family];
+    let zero = S::zero();
+    if !fibre.active(&law) {
+        return [zero; 6];
+    }
+    let (exp, _) = exp_and_ratio(params[K2] * fibre.strain * fibre.strain);
+    let s = fibre.h.scaled(params[K1] * fibre.strain * exp * 2.0);
+    [s.xx, s.yy, s.zz, s.xy, zero, zero]
+}
+
 /// Fibre strain of one family, 0 or 1: E_f − E_r with E_f of the paper's eq. 3 and E_r the fibre
 /// onset; negative where the family is shortened (no bracket).
 pub fn fibre_strain<S: Scalar>(law: &Hgo, f: &[S; 9], params: &[S], family: usize) -> S {

@@ -8,7 +8,7 @@ pub mod published;
 mod tangent;
 pub mod uniaxial;
 
-pub use fibre::{FAMILIES, fibre_direction, fibre_response, fibre_strain};
+pub use fibre::{FAMILIES, fibre_direction, fibre_fictitious_stress, fibre_response, fibre_strain};
 pub use law::{
     D, FIBRE_ONSET, FibreInvariants, GAMMA, Hgo, K1, K2, KAPPA, MU, PARAMETERS, bulk_modulus, d_of,
     matrix_response, volumetric,

@@ -141,6 +141,17 @@ pub enum OptionValue {
     Text(String),
 }
 
+impl std::fmt::Display for OptionValue {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Bool(b) => write!(f, "{b}"),
+            Self::Integer(i) => write!(f, "{i}"),
+            Self::Number(x) => write!(f, "{x}"),
+            Self::Text(t) => write!(f, "{t}"),
+        }
+    }
+}
+
 /// `[effects.NAME]`
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EffectConfig {

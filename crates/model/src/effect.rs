@@ -223,11 +223,12 @@ pub trait Effect: Send + Sync {
         Vec::new()
     }
 
-    /// A richer form of the same effect: its settings, and its parameters grown from a fit of the
-    /// plain form. A search tries it where the plain form helps but leaves structure.
-    fn richer(&self, plain: &[f64]) -> Option<(Options, Vec<f64>)> {
-        let _ = plain;
-        None
+    /// Other and richer forms of the same effect, the likeliest first: their settings, and their
+    /// parameters grown from a fit of this form. A search tries them where the effect helps but
+    /// leaves structure; no chain of forms may come back to itself.
+    fn richer(&self, options: &Options, values: &[f64]) -> Vec<(Options, Vec<f64>)> {
+        let _ = (options, values);
+        Vec::new()
     }
 
     /// Grid of parameter values on which the neutral amplitude is screened; every entry is a full

@@ -1,5 +1,6 @@
 //! Effects of the tissue: decorators around the bulk law, in the order of their rank.
 
+mod base;
 mod by_hand;
 mod fiber_damage;
 mod fiber_recruitment;

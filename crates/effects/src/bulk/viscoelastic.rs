@@ -1,12 +1,14 @@
-//! Stress that relaxes: Maxwell branches on the isochoric stress.
+//! Stress that relaxes: Maxwell branches on the isochoric stress, or on the fibres alone.
 
+use super::base::base_law;
 use super::by_hand::{add, constant_stress, deviatoric, isochoric_tangent};
 use super::isochoric;
 use super::symmetric::{Frame, Sym, dot, pushed};
 use crate::decorator::{Call, Decoration, Tangent, decorate};
 use crate::numeric::{add_scaled, decay, mean_decay, mean_rise};
-use crate::settings::{integer, spread};
+use crate::settings::{choice, integer, spread, word};
 use constitutive::{Energy, Law, PointLaw, Response, Scalar};
+use hgo::{FAMILIES, FibreInvariants, Hgo};
 use input::{OptionKind, OptionSpec, OptionValue};
 use model::{Action, Card, Effect, Options, Piece, Scales, Screening, Sided, Site};
 use params::{ParamSpec, Quantity};
@@ -22,7 +24,8 @@ static CARD: Card = Card {
     summary: "Stress relaxes while the tissue is held and rises with the rate of stretching. The \
               base parameters are the long-term (slow) response.",
     law: "S = S_inner + J^(−2/3) Dev ΣH_i,  Ḣ_i + H_i/τ_i = g_i d(J^(2/3) S_iso)/dt,  \
-          S_iso = isochoric 2nd Piola stress of the inner law,  Dev A = A − ⅓ (A : C) C⁻¹",
+          S_iso = isochoric 2nd Piola stress of the inner law,  Dev A = A − ⅓ (A : C) C⁻¹;  \
+          relaxing = \"fibres\": driven by 2 ∂Ψ_fibres/∂C̄ instead",
     reference: "Simo 1987, Comput. Methods Appl. Mech. Eng. 60, doi:10.1016/0045-7825(87)90107-1; \
                 Holzapfel & Gasser 2001, Comput. Methods Appl. Mech. Eng. 190",
     shows_in: &["hold", "rate change", "unload", "reload"],
@@ -40,8 +43,19 @@ static CARD: Card = Card {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Viscoelastic;
 
+/// What the option `relaxing` may say.
+const ALL: &str = "all";
+const FIBRES: &str = "fibres";
+
 fn branches(options: &Options) -> usize {
     integer(options, "branches", 1).clamp(1, MOST_BRANCHES) as usize
+}
+
+fn settings(branches: i64, relaxing: &str) -> Options {
+    Options::from([
+        ("branches".to_owned(), OptionValue::Integer(branches)),
+        ("relaxing".to_owned(), OptionValue::Text(relaxing.to_owned())),
+    ])
 }
 
 fn own_parameters(branches: usize) -> Vec<ParamSpec> {
@@ -83,20 +97,30 @@ impl Effect for Viscoelastic {
     }
 
     fn options(&self) -> Vec<OptionSpec> {
-        vec![OptionSpec {
-            name: "branches".into(),
-            kind: OptionKind::Integer { min: 1, max: MOST_BRANCHES },
-            default: Some(OptionValue::Integer(1)),
-            description: "number of relaxation branches; the second is g2, tau2, and so on".into(),
-        }]
+        vec![
+            OptionSpec {
+                name: "branches".into(),
+                kind: OptionKind::Integer { min: 1, max: MOST_BRANCHES },
+                default: Some(OptionValue::Integer(1)),
+                description: "number of relaxation branches; the second is g2, tau2, and so on".into(),
+            },
+            choice("relaxing", &[ALL, FIBRES], "the whole isochoric stress relaxes, or the fibres' alone"),
+        ]
     }
 
-    /// Two branches a decade apart around the one that was found: tissue hardly relaxes with one time.
-    fn richer(&self, plain: &[f64]) -> Option<(Options, Vec<f64>)> {
-        let [g, tau] = *plain else { return None };
-        let options = Options::from([("branches".to_owned(), OptionValue::Integer(2))]);
-        let within = |tau: f64| tau.clamp(TAU_BOUNDS.0, TAU_BOUNDS.1);
-        Some((options, vec![0.5 * g, within(tau / 3.0), 0.5 * g, within(3.0 * tau)]))
+    /// The fibres alone, whose stress no matrix tempers; or two branches a decade apart around the
+    /// one that was found: tissue hardly relaxes with one time.
+    fn richer(&self, options: &Options, values: &[f64]) -> Vec<(Options, Vec<f64>)> {
+        let relaxing = word(options, "relaxing", ALL);
+        let mut forms = Vec::new();
+        if relaxing == ALL {
+            forms.push((settings(branches(options) as i64, FIBRES), values.to_vec()));
+        }
+        if let [g, tau] = *values {
+            let within = |tau: f64| tau.clamp(TAU_BOUNDS.0, TAU_BOUNDS.1);
+            forms.push((settings(2, relaxing), vec![0.5 * g, within(tau / 3.0), 0.5 * g, within(3.0 * tau)]));
+        }
+        forms
     }
 
     fn shapes(&self, scales: &Scales) -> Vec<Vec<f64>> {
@@ -114,13 +138,20 @@ impl Effect for Viscoelastic {
 
     fn act(&self, options: &Options, _piece: &Piece) -> Action {
         let branches = branches(options);
-        Action::Bulk(Box::new(move |inner| Arc::new(decorate(inner, Maxwell { branches }))))
+        let fibres_alone = word(options, "relaxing", ALL) == FIBRES;
+        Action::Bulk(Box::new(move |inner| {
+            let base = Hgo { fibre_invariants: FibreInvariants::Isochoric, ..base_law(&inner) };
+            let fibres = fibres_alone.then_some(base);
+            Arc::new(decorate(inner, Maxwell { branches, fibres }))
+        }))
     }
 }
 
 /// History: H of each branch, then the driving stress, the isochoric C and the work on the branches.
 struct Maxwell {
     branches: usize,
+    /// The law of the fibres, where they alone relax.
+    fibres: Option<Hgo>,
 }
 
 fn read<S: Scalar>(history: &[S], block: usize) -> Sym<S> {
@@ -142,13 +173,50 @@ impl Maxwell {
     /// inner law in the energy sense, at least that of its matrix.
     fn spring_energy(&self, call: &Call<'_, f64, 9>, inner_new: &[f64], new: &[f64]) -> f64 {
         let s = read(new, self.stress_block());
-        let psi = isochoric(call.gradient, call.base, &call.inner_probe(call.gradient, inner_new)).energy;
+        let psi = match &self.fibres {
+            Some(law) => (0..FAMILIES)
+                .map(|k| hgo::fibre_response(law, call.gradient, call.base, k).energy)
+                .sum::<f64>(),
+            None => isochoric(call.gradient, call.base, &call.inner_probe(call.gradient, inner_new)).energy,
+        };
         let secant = if psi > 0.0 { dot(&s, &s) / (2.0 * psi) } else { 0.0 };
         let stiffness = secant.max(2.0 * call.base[hgo::MU]);
         (0..self.branches)
             .filter(|&b| call.own[2 * b] > 0.0)
             .map(|b| dot(&read(new, b), &read(new, b)) / (2.0 * call.own[2 * b] * stiffness))
             .sum()
+    }
+}
+
+impl Maxwell {
+    /// The stress that the branches follow: Dev of what the inner law would give without it (the
+    /// fictitious stress), or the fibres' fictitious stress as it is.
+    fn driving_stress<S: Scalar>(
+        &self,
+        call: &Call<'_, S, 9>,
+        frame: &Frame<S>,
+        inner: &Response<S, 9>,
+    ) -> Sym<S> {
+        if let Some(law) = &self.fibres {
+            let [a, b]: [Sym<S>; FAMILIES] =
+                std::array::from_fn(|k| hgo::fibre_fictitious_stress(law, call.gradient, call.base, k));
+            return std::array::from_fn(|i| a[i] + b[i]);
+        }
+        let iso = isochoric(call.gradient, call.base, inner);
+        let per_m = frame.m.recip();
+        frame.deviator(&frame.second_piola(&iso.force)).map(|x| x * per_m)
+    }
+
+    /// How the stress of the branches follows the driving stress of this instant, per unit of share.
+    fn driven_tangent(&self, call: &Call<'_, f64, 9>, inner: &Tangent<9>) -> Tangent<9> {
+        match &self.fibres {
+            Some(law) => {
+                let mut sum = hgo::fibre_tangent(law, call.gradient, call.base, 0);
+                add(&mut sum, 1.0, &hgo::fibre_tangent(law, call.gradient, call.base, 1));
+                sum
+            }
+            None => deviatoric(call.gradient, &isochoric_tangent(call.gradient, call.base, inner)),
+        }
     }
 }
 
@@ -181,17 +249,15 @@ impl Decoration<9> for Maxwell {
     /// Exact for a driving stress linear in time within the step, hence stable for any step: an
     /// instantaneous change (dt = 0) loads the branch elastically, a long rest empties it.
     ///
-    /// The driving stress is deviatoric and derives from Ψ_iso on unimodular C̄; with Dev outside
-    /// as well the incremental stress has a potential and the tangent is symmetric.
+    /// The driving stress derives from an energy of the unimodular C̄; with Dev outside the
+    /// incremental stress has a potential and the tangent is symmetric.
     fn respond<S: Scalar>(&self, call: &Call<'_, S, 9>, inner_new: &mut [S], new: &mut [S]) -> Response<S, 9>
     where
         dyn PointLaw<9>: Law<S, 9>,
     {
         let mut r = call.inner(inner_new);
-        let iso = isochoric(call.gradient, call.base, &r);
         let frame = Frame::new(call.gradient);
-        let per_m = frame.m.recip();
-        let s = frame.deviator(&frame.second_piola(&iso.force)).map(|x| x * per_m);
+        let s = self.driving_stress(call, &frame, &r);
         let c = frame.c.map(|x| x * frame.m);
         let (s_old, c_old) = (read(call.old, self.stress_block()), read(call.old, self.shape_block()));
         let (mut sum, mut work) = ([S::zero(); 6], S::zero());
@@ -224,7 +290,7 @@ impl Decoration<9> for Maxwell {
         new: &mut [f64],
     ) -> Option<Tangent<9>> {
         let mut sum = call.inner_tangent(call.gradient, call.base, inner_new)?;
-        let iso = isochoric_tangent(call.gradient, call.base, &sum);
+        let driven = self.driven_tangent(call, &sum);
         self.respond(call, inner_new, new);
         let s_old = read(call.old, self.stress_block());
         let (mut constant, mut share) = ([0.0; 6], 0.0);
@@ -238,7 +304,7 @@ impl Decoration<9> for Maxwell {
         }
         let frame = Frame::new(call.gradient);
         add(&mut sum, 1.0, &constant_stress(call.gradient, frame.m, &frame.c, &constant));
-        add(&mut sum, share, &deviatoric(call.gradient, &iso));
+        add(&mut sum, share, &driven);
         Some(sum)
     }
 

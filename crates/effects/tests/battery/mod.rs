@@ -38,7 +38,11 @@ pub fn named(name: &str) -> Arc<dyn Effect> {
 }
 
 pub fn wrap_bulk(effect: &dyn Effect, inner: Bulk) -> Option<Bulk> {
-    match effect.act(&Options::new(), &PIECE) {
+    wrap_bulk_with(effect, &Options::new(), inner)
+}
+
+pub fn wrap_bulk_with(effect: &dyn Effect, options: &Options, inner: Bulk) -> Option<Bulk> {
+    match effect.act(options, &PIECE) {
         Action::Bulk(wrap) => Some(wrap(inner)),
         _ => None,
     }
