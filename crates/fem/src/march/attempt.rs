@@ -1,0 +1,133 @@
+//! One Newton solution from the last state, and what it must pass to be a step.
+
+use super::March;
+use crate::equilibrium::{Border, Control, NewtonOptions, Step, take_up, train_elongation};
+use crate::error::FemError;
+use crate::state::State;
+use constitutive::Context;
+
+impl March<'_> {
+    /// One Newton solution at a standing actuator, with the checks that a step must pass.
+    pub(super) fn attempt(
+        &mut self,
+        actuator: f64,
+        dt: f64,
+        clock: f64,
+        guess: Option<Vec<f64>>,
+    ) -> Result<(Border, usize, State), FemError> {
+        let mut fresh = self.state.clone();
+        fresh.actuator = actuator;
+        let plain_train = self.problem.train.is_empty();
+        let (s, _) = take_up(self.problem, &self.local.takeup, actuator);
+        let guessed = guess.is_some();
+        if let Some(u) = guess {
+            fresh.u = u;
+            if plain_train {
+                fresh.grip = s;
+            }
+        } else if let Some(u) = self.extrapolate(actuator) {
+            fresh.u = u;
+            if plain_train {
+                fresh.grip = s;
+            }
+        }
+        let moved = fresh.u != self.state.u;
+        let ctx = Context { time: self.state.time + clock * dt, ..self.context(dt) };
+        let solved = self.newton(ctx, Control::Actuator(actuator), &mut fresh);
+        let converged = match solved {
+            Ok(c) => c,
+            // A bad guess is no reason to cut the step: once more from the last state.
+            Err(_) if moved || guessed => {
+                fresh = self.state.clone();
+                self.newton(ctx, Control::Actuator(actuator), &mut fresh)?
+            }
+            Err(e) => return Err(e),
+        };
+        let border = match converged.border {
+            Some(b) => b,
+            None => Border::of(self.system, self.problem.multiplicity)?,
+        };
+        self.check(&fresh, &border)?;
+        Ok((border, converged.iterations, fresh))
+    }
+
+    /// Stability, and no unexplained change of force.
+    fn check(&self, fresh: &State, border: &Border) -> Result<(), FemError> {
+        let unstable = |reason: &str| FemError::NoConvergence {
+            displacement: fresh.actuator,
+            step: 0.0,
+            reason: reason.into(),
+        };
+        if self.problem.path.is_some() && self.system.factor.negative_pivots() > 0 {
+            return Err(unstable("the equilibrium found is unstable"));
+        }
+        // In a hold the force relaxes by itself: no jump.
+        let moved = self.run.steps.last().filter(|s| s.actuator != fresh.actuator);
+        if let (Some(before), true) = (moved, self.problem.path.is_some()) {
+            let slope = self.actuator_slope(border, fresh);
+            let step = fresh.actuator - before.actuator;
+            let expected = 0.5 * (slope + before.slope) * step;
+            let surprise = expected - (fresh.force - before.force);
+            // A jump sheds force; a surprise in the toe of the curve is only curvature.
+            let sheds = fresh.force < before.force;
+            if sheds && surprise.abs() > self.options.continuity * self.largest_force {
+                return Err(unstable("the force changes discontinuously"));
+            }
+        }
+        Ok(())
+    }
+
+    /// dF/du_actuator at a converged state.
+    pub(super) fn actuator_slope(&self, border: &Border, state: &State) -> f64 {
+        let mut scratch = self.state.history.train.clone();
+        let ctx = self.context(1.0);
+        let (_, e_slope) = train_elongation(
+            self.problem,
+            &self.local.train,
+            &ctx,
+            state.force,
+            &self.state.history.train,
+            &mut scratch,
+        );
+        let (_, s_slope) = take_up(self.problem, &self.local.takeup, state.actuator);
+        border.stiffness * s_slope / (1.0 + e_slope * border.stiffness)
+    }
+
+    pub(crate) fn context(&self, dt: f64) -> Context {
+        Context { dt, time: self.state.time + dt, path_position: 0.5 }
+    }
+
+    pub(crate) fn newton(
+        &mut self,
+        ctx: Context,
+        control: Control,
+        fresh: &mut State,
+    ) -> Result<crate::equilibrium::Converged, FemError> {
+        if self.run.iterations > self.options.budget {
+            return Err(FemError::Setup(format!("more than {} Newton iterations", self.options.budget)));
+        }
+        // Leaving the load-free state every fibre decides whether it is taut: an active-set search
+        // that smaller steps do not shorten. Nor do they where a few cuts did not help.
+        let patience = if self.run.steps.len() < 2 || self.stubborn { 4 } else { 1 };
+        let newton = NewtonOptions {
+            max_iterations: patience * self.options.newton.max_iterations,
+            ..self.options.newton
+        };
+        let step = Step {
+            problem: self.problem,
+            local: &self.local,
+            free: &self.free,
+            ctx,
+            old: &self.state,
+            control,
+            options: newton,
+            force_floor: 1e-3 * self.force_floor,
+        };
+        let result = step.solve(self.system, fresh);
+        self.run.iterations += match &result {
+            Ok(c) => c.iterations,
+            Err(_) => newton.max_iterations,
+        };
+        result
+    }
+}

@@ -1,0 +1,153 @@
+//! Accepting a step: derivatives, energies, history, the record of it.
+
+use super::visits::Visit;
+use super::{March, StepRecord};
+use crate::energy::{self, Ledger};
+use crate::equilibrium::Border;
+use crate::error::FemError;
+use crate::sensitivity::{Stage, StepDerivatives};
+use crate::state::State;
+use constitutive::Context;
+use std::sync::Arc;
+
+/// Accepts a converged step: sensitivities, ledger, history, record.
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn fresh_commit(
+    m: &mut March,
+    fresh: State,
+    time: f64,
+    dt: f64,
+    target: Option<usize>,
+    iterations: usize,
+    arc: Option<[f64; 2]>,
+    border: &Border,
+) -> Result<(), FemError> {
+    let ctx = Context { time, ..m.context(dt) };
+    let (derivatives, gradient) = differentiate(m, &fresh, ctx, arc, border)?;
+    let slope = m.actuator_slope(border, &fresh);
+    let ledger = if m.options.ledger { add_up(m, &fresh, ctx, slope) } else { Ledger::default() };
+    let moved = m.columns.iter().any(|c| c.moved()) || history_moved(&m.state, &fresh);
+    m.force_floor = m.force_floor.max(m.system.force_scale);
+    m.largest_force = m.largest_force.max(fresh.force.abs());
+    let record = StepRecord {
+        target,
+        time,
+        actuator: fresh.actuator,
+        grip: fresh.grip,
+        force: fresh.force,
+        slope,
+        iterations,
+        negative_pivots: m.system.factor.negative_pivots(),
+        extra: m.observer.observe(&fresh),
+        derivatives,
+        ledger,
+        after_jump: false,
+        revisited: false,
+    };
+    m.state = fresh;
+    m.state.time = time;
+    if m.options.keep_states {
+        m.run.states.push(Arc::new(m.state.u.clone()));
+        m.run.path_histories.push(Arc::new(m.state.history.path.clone()));
+    }
+    if m.options.keep_gradients {
+        m.run.gradients.push(Arc::new(gradient));
+    }
+    if m.reusable {
+        if moved {
+            m.visits.clear();
+        }
+        m.visits.push(Visit { step: m.run.steps.len(), state: m.state.clone() });
+    }
+    if arc.is_some() {
+        m.recent.clear();
+    } else {
+        m.recent.push((m.state.actuator, m.state.u.clone()));
+        if m.recent.len() > 3 {
+            m.recent.remove(0);
+        }
+    }
+    m.run.steps.push(record);
+    Ok(())
+}
+
+fn history_moved(a: &State, b: &State) -> bool {
+    let differs = |x: &[f64], y: &[f64]| x.iter().zip(y).any(|(p, q)| p.to_bits() != q.to_bits());
+    differs(&a.history.bulk, &b.history.bulk)
+        || differs(&a.history.path, &b.history.path)
+        || differs(&a.history.train, &b.history.train)
+}
+
+fn differentiate(
+    m: &mut March,
+    fresh: &State,
+    ctx: Context,
+    arc: Option<[f64; 2]>,
+    border: &Border,
+) -> Result<(StepDerivatives, Vec<f32>), FemError> {
+    if m.columns.is_empty() {
+        return Ok((StepDerivatives::default(), Vec::new()));
+    }
+    let n = m.system.unknowns;
+    let mut rhs = Vec::new();
+    {
+        let stage = Stage { system: m.system, state: fresh, ctx, arc };
+        for c in m.columns.iter_mut() {
+            c.partial(&stage, &mut rhs);
+        }
+    }
+    let count: usize = m.columns.iter().map(|c| c.count()).sum();
+    m.system.factor.solve(&mut rhs, count)?;
+    let stage = Stage { system: m.system, state: fresh, ctx, arc };
+    let mut all = StepDerivatives::default();
+    let mut gradient = vec![0.0_f32; if m.options.keep_gradients { count * fresh.u.len() } else { 0 }];
+    let mut at = 0;
+    for c in m.columns.iter_mut() {
+        let k = c.count();
+        let (du, d) = c.total(&stage, border, &rhs[at * n..(at + k) * n]);
+        for (row, from) in gradient.chunks_exact_mut(count).zip(du.chunks_exact(k)) {
+            for (g, d) in row[at..at + k].iter_mut().zip(from) {
+                *g = *d as f32;
+            }
+        }
+        at += k;
+        all.force.extend(d.force);
+        all.grip.extend(d.grip);
+        all.actuator.extend(d.actuator);
+        let extra = m.observer.derive(fresh, &du, k);
+        if all.extra.is_empty() {
+            all.extra = extra;
+        } else {
+            for (a, e) in all.extra.iter_mut().zip(extra) {
+                a.extend(e);
+            }
+        }
+    }
+    Ok((all, gradient))
+}
+
+/// Ledger after a step: work by the trapezoid with end slopes (fourth order).
+fn add_up(m: &mut March, fresh: &State, ctx: Context, slope: f64) -> Ledger {
+    let (bulk, path) = energy::internal(m.problem, &m.local, m.system, &ctx, &m.state.history, fresh);
+    let (before, mut ledger) = match m.run.steps.last() {
+        Some(s) => ((s.actuator, s.force, s.slope, s.grip), s.ledger),
+        None => ((fresh.actuator, fresh.force, slope, fresh.grip), Ledger::default()),
+    };
+    let h = fresh.actuator - before.0;
+    ledger.external_work += 0.5 * h * (before.1 + fresh.force) + h * h / 12.0 * (before.2 - slope);
+    // The train takes what does not reach the tissue: ∫ F d(u_actuator − u_grip), same rule with
+    // the slope of F against the elongation.
+    let stretch = (fresh.actuator - fresh.grip) - (before.0 - before.3);
+    if stretch != 0.0 {
+        let grip_step = fresh.grip - before.3;
+        let share = if h.abs() > 0.0 { grip_step / h } else { 0.0 };
+        let correction = h * h / 12.0 * (before.2 - slope) * (1.0 - share);
+        m.train_energy += 0.5 * stretch * (before.1 + fresh.force) + correction;
+    }
+    ledger.rig = m.train_energy;
+    ledger.stored = bulk.stored;
+    ledger.dissipated_bulk = bulk.dissipated;
+    ledger.cohesive_recoverable = path.stored;
+    ledger.cohesive_dissipated = path.dissipated;
+    ledger
+}

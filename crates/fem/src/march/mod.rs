@@ -1,0 +1,191 @@
+//! A run through a plan of actuator displacements: steps, cuts, jumps, sensitivities, ledger.
+
+mod attempt;
+mod commit;
+mod options;
+mod record;
+mod visits;
+
+pub(crate) use commit::fresh_commit;
+pub use options::{MarchOptions, NoObserver, Observer, Target};
+pub use record::{Jump, Run, StepRecord};
+
+use crate::equilibrium::{free_dofs, mean_opening};
+use crate::error::FemError;
+use crate::path;
+use crate::problem::{LocalParams, Problem};
+use crate::sensitivity::Columns;
+use crate::state::State;
+use crate::system::System;
+use crate::warm::{Warm, warm_guess};
+use visits::Visit;
+
+/// Share of a planned step below which Newton gets more iterations instead of shorter steps alone.
+const STUBBORN: f64 = 0.2;
+
+/// A run in progress.
+pub(crate) struct March<'a> {
+    pub problem: &'a Problem,
+    pub local: LocalParams<f64>,
+    pub system: &'a mut System,
+    pub free: Vec<usize>,
+    pub columns: Vec<&'a mut (dyn Columns + 'static)>,
+    pub observer: &'a dyn Observer,
+    pub options: MarchOptions,
+    pub state: State,
+    pub run: Run,
+    pub force_floor: f64,
+    pub largest_force: f64,
+    visits: Vec<Visit>,
+    reusable: bool,
+    recent: Vec<(f64, Vec<f64>)>,
+    /// Cuts have not helped so far: Newton gets more iterations.
+    stubborn: bool,
+    train_energy: f64,
+}
+
+/// Runs a plan.
+///
+/// The first target should be the start (actuator 0, dt 0): mounting (a turned clamp, prestretch)
+/// is solved there. A run that cannot go on returns everything up to that point with the reason.
+/// `cancelled` is asked between steps.
+#[allow(clippy::too_many_arguments)]
+pub fn march(
+    problem: &Problem,
+    theta: &[f64],
+    system: &mut System,
+    initial: Option<State>,
+    targets: &[Target],
+    columns: &mut [&mut (dyn Columns + 'static)],
+    observer: &dyn Observer,
+    options: MarchOptions,
+    warm: Option<&Warm>,
+    cancelled: &dyn Fn() -> bool,
+) -> Run {
+    let reusable = !problem.rate_dependent() && columns.iter().all(|c| c.repeatable());
+    let free = free_dofs(system);
+    let mut m = March {
+        local: problem.local(theta),
+        state: initial.unwrap_or_else(|| State::virgin(problem)),
+        run: Run::default(),
+        force_floor: 0.0,
+        largest_force: 0.0,
+        visits: Vec::new(),
+        recent: Vec::new(),
+        stubborn: false,
+        train_energy: 0.0,
+        problem,
+        system,
+        free,
+        columns: columns.iter_mut().map(|c| &mut **c).collect(),
+        observer,
+        options,
+        reusable,
+    };
+    let mut differences: Vec<Vec<f64>> = Vec::new();
+    for (index, target) in targets.iter().enumerate() {
+        if cancelled() {
+            m.run.failure = Some(FemError::Setup("stopped by the user".into()));
+            break;
+        }
+        let turned = index >= 2
+            && (target.actuator - targets[index - 1].actuator)
+                * (targets[index - 1].actuator - targets[index - 2].actuator)
+                <= 0.0;
+        if turned {
+            m.recent.truncate(0);
+        }
+        if m.revisit(index, target) {
+            continue;
+        }
+        let known = warm.and_then(|w| w.state(index, theta));
+        let guess = known.as_ref().map(|u| warm_guess(u, &differences));
+        if let Err(e) = m.reach(index, target, guess) {
+            m.run.failure = Some(e);
+            break;
+        }
+        match known {
+            Some(u) => {
+                differences.push(m.state.u.iter().zip(u.iter()).map(|(a, b)| a - b).collect());
+                if differences.len() > 2 {
+                    differences.remove(0);
+                }
+            }
+            None => differences.clear(),
+        }
+    }
+    m.run.last = Some(m.state);
+    m.run
+}
+
+impl March<'_> {
+    /// Goes to a target, cutting steps where needed.
+    fn reach(&mut self, index: usize, target: &Target, mut guess: Option<Vec<f64>>) -> Result<(), FemError> {
+        let (start, start_time) = (self.state.actuator, self.state.time);
+        let clock = if target.rest { 0.0 } else { 1.0 };
+        let travel = target.actuator - start;
+        if self.options.follow_path && travel != 0.0 {
+            return path::follow(self, target.actuator, target.dt, index);
+        }
+        let mut done = 0.0;
+        let mut share: f64 = 1.0;
+        loop {
+            let end = (done + share).min(1.0);
+            let last = end > 1.0 - 1e-12;
+            let actuator = if last { target.actuator } else { start + end * travel };
+            let dt = (end - done) * target.dt;
+            self.stubborn = share < STUBBORN;
+            match self.attempt(actuator, dt, clock, guess.take()) {
+                Ok((border, iterations, fresh)) => {
+                    fresh_commit(
+                        self,
+                        fresh,
+                        start_time + clock * end * target.dt,
+                        dt,
+                        last.then_some(index),
+                        iterations,
+                        None,
+                        &border,
+                    )?;
+                    if last {
+                        return Ok(());
+                    }
+                    done = end;
+                    share *= if iterations <= 5 { 2.0 } else { 1.0 };
+                }
+                Err(e @ FemError::Setup(_)) => return Err(e),
+                Err(e) => {
+                    share *= 0.5;
+                    if share < self.options.min_step_fraction || travel == 0.0 {
+                        if self.problem.path.is_none() || travel == 0.0 {
+                            return Err(blame(e, self.state.actuator, share * travel.abs()));
+                        }
+                        path::jump(self, travel.signum(), share * travel.abs(), dt)
+                            .map_err(|why| blame(why, self.state.actuator, share * travel.abs()))?;
+                        done = if travel == 0.0 {
+                            1.0
+                        } else {
+                            ((self.state.actuator - start) / travel).clamp(0.0, 1.0)
+                        };
+                        share = (1.0 - done).max(1e-9);
+                        if done >= 1.0 - 1e-12 {
+                            return Ok(());
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    pub(crate) fn mean_opening(&self, u: &[f64]) -> f64 {
+        mean_opening(self.system, u, &self.free)
+    }
+}
+
+fn blame(e: FemError, displacement: f64, step: f64) -> FemError {
+    match e {
+        FemError::NoConvergence { reason, .. } => FemError::NoConvergence { displacement, step, reason },
+        FemError::Element(fault) => FemError::NoConvergence { displacement, step, reason: fault.to_string() },
+        other => other,
+    }
+}

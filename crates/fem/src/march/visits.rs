@@ -1,0 +1,77 @@
+//! States of the run that help the next step: one visited before is taken over, the last ones of
+//! a branch are extrapolated.
+
+use super::{March, Target};
+use crate::state::State;
+
+/// A visited state that an elastic excursion may come back to.
+pub(super) struct Visit {
+    pub(super) step: usize,
+    pub(super) state: State,
+}
+
+impl March<'_> {
+    /// Takes a state over from an earlier visit in the same elastic excursion: no history changed
+    /// since, no law looks at time, the displacement is the same.
+    pub(super) fn revisit(&mut self, index: usize, target: &Target) -> bool {
+        if !self.reusable || self.options.follow_path {
+            return false;
+        }
+        let same =
+            |v: &Visit| (v.state.actuator - target.actuator).abs() <= 1e-12 * target.actuator.abs().max(1.0);
+        let Some(at) = self.visits.iter().rposition(same) else { return false };
+        let (step, state) = (self.visits[at].step, self.visits[at].state.clone());
+        self.train_energy = self.run.steps[step].ledger.rig;
+        let before = self.run.steps.last().cloned();
+        let time = self.state.time + if target.rest { 0.0 } else { target.dt };
+        self.state = state;
+        self.state.time = time;
+        let mut record = self.run.steps[step].clone();
+        record.target = Some(index);
+        record.time = time;
+        record.iterations = 0;
+        record.revisited = true;
+        record.after_jump = false;
+        if let Some(before) = before {
+            // Elastic: the work is the difference of the two states' work.
+            record.ledger.released_in_jumps = before.ledger.released_in_jumps;
+        }
+        if self.options.keep_states {
+            self.run.states.push(self.run.states[step].clone());
+            self.run.path_histories.push(self.run.path_histories[step].clone());
+        }
+        if self.options.keep_gradients {
+            self.run.gradients.push(self.run.gradients[step].clone());
+        }
+        self.recent.clear();
+        self.run.steps.push(record);
+        true
+    }
+
+    /// Quadratic (or linear) extrapolation of the last states of the same branch.
+    pub(super) fn extrapolate(&self, actuator: f64) -> Option<Vec<f64>> {
+        let n = self.recent.len();
+        let weights: Vec<f64> = match n {
+            0 | 1 => return None,
+            2 => lagrange(&[self.recent[0].0, self.recent[1].0], actuator),
+            _ => lagrange(&[self.recent[n - 3].0, self.recent[n - 2].0, self.recent[n - 1].0], actuator),
+        };
+        if weights.iter().any(|w| !w.is_finite() || w.abs() > 20.0) {
+            return None;
+        }
+        let used = &self.recent[n - weights.len()..];
+        let mut u = vec![0.0; self.state.u.len()];
+        for (w, (_, s)) in weights.iter().zip(used) {
+            for (a, b) in u.iter_mut().zip(s) {
+                *a += w * b;
+            }
+        }
+        Some(u)
+    }
+}
+
+fn lagrange(x: &[f64], at: f64) -> Vec<f64> {
+    (0..x.len())
+        .map(|i| (0..x.len()).filter(|&j| j != i).map(|j| (at - x[j]) / (x[i] - x[j])).product())
+        .collect()
+}

@@ -1,0 +1,73 @@
+//! Sensitivities by direct differentiation through the load-step history.
+//!
+//! At each converged step: a **partial** sweep (parameters seeded, displacements constant, history
+//! seeded with its stored total derivative) gives −∂R/∂θ; the tangent factorised at the converged
+//! state solves for all columns at once; a **total** sweep (displacements seeded too) carries the
+//! derivative of the history on. No ∂P/∂h matrix is ever formed; step sizes are frozen.
+//!
+//! A [`Columns`] object owns its own problem: the columns of an effect that is tried at its
+//! neutral value use the decorated law on the states of the base model.
+
+mod border;
+mod chunk;
+mod sweeps;
+
+pub use chunk::Chunk;
+
+use crate::equilibrium::Border;
+use crate::problem::Problem;
+use crate::state::State;
+use crate::system::System;
+use constitutive::Context;
+use std::sync::Arc;
+
+/// One step as the columns see it.
+pub struct Stage<'a> {
+    /// Numbering and geometry.
+    pub system: &'a System,
+    /// Converged state.
+    pub state: &'a State,
+    /// Time and increment of the step that led to it.
+    pub ctx: Context,
+    /// What the step held fixed: (t_u, t_w) of a path step, `None` for a standing actuator.
+    pub arc: Option<[f64; 2]>,
+}
+
+/// Derivatives of one step, per column.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StepDerivatives {
+    /// dF/dθ, N per unit.
+    pub force: Vec<f64>,
+    /// du_grip/dθ, mm per unit.
+    pub grip: Vec<f64>,
+    /// du_actuator/dθ (path steps only; zero at a standing actuator).
+    pub actuator: Vec<f64>,
+    /// Derivatives of the observer's extra outputs: `extra[output][column]`.
+    pub extra: Vec<Vec<f64>>,
+}
+
+/// A set of derivative columns carried through a run.
+pub trait Columns: Send {
+    /// Number of columns.
+    fn count(&self) -> usize;
+    /// Appends −∂R/∂θ of the free unknowns, column after column, to `rhs`.
+    fn partial(&mut self, stage: &Stage, rhs: &mut Vec<f64>);
+    /// Takes the solutions K⁻¹(−∂R/∂θ), closes the border, carries the history on.
+    /// Returns the displacement derivatives (dof-major: `du[dof * count + c]`) and the step's
+    /// derivatives (without extras).
+    fn total(&mut self, stage: &Stage, border: &Border, solution: &[f64]) -> (Vec<f64>, StepDerivatives);
+    /// Whether derivatives may be taken from an earlier visit of the same state (no law looks at
+    /// time).
+    fn repeatable(&self) -> bool;
+    /// Whether the last step changed the values of any history variable of these columns.
+    fn moved(&self) -> bool;
+}
+
+/// Chunks of the standard width for a list of parameters.
+pub fn columns_for(
+    problem: &Arc<Problem>,
+    theta: &[f64],
+    seeds: &[usize],
+) -> Vec<Chunk<{ constitutive::WIDTH }>> {
+    seeds.chunks(constitutive::WIDTH).map(|c| Chunk::new(problem.clone(), theta, c)).collect()
+}

@@ -1,0 +1,229 @@
+//! Parameters, composed laws and effects of a case, and the model of each test made from them.
+
+use super::supports::{strip_of, supports};
+use super::{Active, BuildError, Discretisation, TestModel};
+use crate::effect::{Action, Bulk, Catalogue, Interface, Piece};
+use fem::{Blend, Body, Link, Path, Problem};
+use input::{Case, FibreInvariants, Profile, Test, TestKind, Value};
+use mesh::Mesh;
+use params::{ParamSpec, Parameter};
+use std::sync::{Arc, Mutex};
+
+/// What is shared by the tests while they are built.
+pub(super) struct Builder {
+    pub(super) parameters: Vec<Parameter>,
+    pub(super) active: Vec<Active>,
+    piece: Piece,
+    bulk: Bulk,
+    bulk_params: Vec<usize>,
+    interface: Interface,
+    /// θ indices of the interface law's parameters behind gc and σc.
+    interface_rest: Vec<usize>,
+    gc: usize,
+    sigma_c: usize,
+    has_path: bool,
+}
+
+impl Builder {
+    pub(super) fn new(case: &Case, catalogue: &Catalogue) -> Result<Self, BuildError> {
+        let mut parameters = Vec::new();
+        let law = hgo::Hgo {
+            tension_only: case.bulk.tension_only,
+            fibre_invariants: match case.bulk.fibre_invariants {
+                FibreInvariants::Isochoric => hgo::FibreInvariants::Isochoric,
+                FibreInvariants::Full => hgo::FibreInvariants::Full,
+            },
+        };
+        let b = &case.bulk;
+        let onset = Value::default();
+        let values = [&b.mu, &b.k1, &b.k2, &b.gamma, &b.kappa, &b.d, &onset];
+        for (spec, value) in constitutive::Describe::<9>::parameters(&law).into_iter().zip(values) {
+            parameters.push(parameter(format!("bulk.{}", spec.name), spec, value));
+        }
+        let bulk_params = (0..parameters.len()).collect();
+        let has_path = case.tests.iter().any(|t| t.kind == TestKind::Tearing);
+        let (mut gc, mut sigma_c, mut rest) = (0, 0, Vec::new());
+        if has_path {
+            let specs = constitutive::Describe::<3>::parameters(&cohesive::Cohesive);
+            let i = &case.interface;
+            gc = parameters.len();
+            for a in 0..i.areas {
+                parameters.push(parameter(
+                    format!("interface.area[{}].gc", a + 1),
+                    specs[cohesive::GC].clone(),
+                    &i.gc_of(a),
+                ));
+            }
+            sigma_c = parameters.len();
+            for a in 0..i.areas {
+                let spec = specs[cohesive::SIGMA_C].clone();
+                parameters.push(parameter(
+                    format!("interface.area[{}].sigma_c", a + 1),
+                    spec,
+                    &i.sigma_c_of(a),
+                ));
+            }
+            rest = vec![parameters.len(), parameters.len() + 1];
+            parameters.push(parameter("interface.lambda".into(), specs[cohesive::LAMBDA].clone(), &i.lambda));
+            parameters.push(parameter(
+                "interface.penalty".into(),
+                specs[cohesive::PENALTY].clone(),
+                &i.penalty,
+            ));
+        }
+        let g = &case.geometry;
+        let mut builder = Self {
+            parameters,
+            active: Vec::new(),
+            piece: Piece { length: g.length, width: g.width, thickness: g.thickness, cut: g.cut },
+            bulk: Arc::new(law),
+            bulk_params,
+            interface: Arc::new(cohesive::Cohesive),
+            interface_rest: rest,
+            gc,
+            sigma_c,
+            has_path,
+        };
+        builder.add_effects(case, catalogue)?;
+        Ok(builder)
+    }
+
+    /// Effects in the order of their rank, so that the file's order cannot matter.
+    fn add_effects(&mut self, case: &Case, catalogue: &Catalogue) -> Result<(), BuildError> {
+        let mut found = Vec::new();
+        for config in &case.effects {
+            let effect =
+                catalogue.get(&config.name).ok_or_else(|| BuildError::UnknownEffect(config.name.clone()))?;
+            found.push((effect.clone(), config));
+        }
+        found.sort_by_key(|(e, _)| (e.card().site, e.card().rank, e.card().name));
+        for (effect, config) in found {
+            let first = self.parameters.len();
+            for spec in effect.parameters(&config.options) {
+                let value = config.parameters.get(spec.name.as_ref()).copied().unwrap_or_default();
+                self.parameters.push(parameter(
+                    format!("effects.{}.{}", config.name, spec.name),
+                    spec,
+                    &value,
+                ));
+            }
+            let params: Vec<usize> = (first..self.parameters.len()).collect();
+            match effect.act(&config.options, &self.piece) {
+                Action::Bulk(wrap) => {
+                    self.bulk = wrap(self.bulk.clone());
+                    self.bulk_params.extend(&params);
+                }
+                Action::Interface(wrap) if self.has_path => {
+                    self.interface = wrap(self.interface.clone());
+                    self.interface_rest.extend(&params);
+                }
+                _ => {}
+            }
+            self.active.push(Active { effect, params, options: config.options.clone() });
+        }
+        Ok(())
+    }
+
+    pub(super) fn test(
+        &mut self,
+        case: &Case,
+        test: &Test,
+        index: usize,
+        half_height: bool,
+        how: Discretisation,
+    ) -> Result<TestModel, BuildError> {
+        let strip = strip_of(case, test, half_height, how)
+            .map_err(|source| BuildError::Mesh { test: test.name.clone(), source })?;
+        let mesh =
+            mesh::strip(&strip).map_err(|source| BuildError::Mesh { test: test.name.clone(), source })?;
+        let body = Arc::new(Body::of(&mesh));
+        let supports = supports(&mesh, test)?;
+        let multiplicity =
+            if mesh.half_height { 2.0 } else { 1.0 } * if mesh.half_thickness { 2.0 } else { 1.0 };
+        let path = (test.kind == TestKind::Tearing).then(|| self.path(case, &mesh, &body));
+        let mut template = Problem {
+            body,
+            supports: Arc::new(supports),
+            multiplicity,
+            bulk: self.bulk.clone(),
+            bulk_params: self.bulk_params.clone(),
+            path,
+            train: Vec::new(),
+            takeup: Vec::new(),
+            shape: Vec::new(),
+            mount: Vec::new(),
+        };
+        let (mut shapes, mut mounts, mut sensors) = (Vec::new(), Vec::new(), Vec::new());
+        for a in &self.active {
+            match a.effect.act(&a.options, &self.piece) {
+                Action::Train(law) => template.train.push(Link { law, params: a.params.clone() }),
+                Action::TakeUp(law) => template.takeup.push(Link { law, params: a.params.clone() }),
+                Action::Shape(s) => shapes.push((s, a.params.clone())),
+                Action::Mount(m) => mounts.push((m, a.params.clone())),
+                Action::Sensor(s) => sensors.push((s, a.params.clone())),
+                Action::Bulk(_) | Action::Interface(_) => {}
+            }
+        }
+        template.check().map_err(|source| BuildError::Fem { test: test.name.clone(), source })?;
+        Ok(TestModel {
+            test: test.clone(),
+            mesh,
+            index,
+            template,
+            shapes,
+            mounts,
+            sensors,
+            pool: Mutex::new(Vec::new()),
+        })
+    }
+
+    /// Law and parameters of every point of the tear path.
+    fn path(&self, case: &Case, mesh: &Mesh, body: &Body) -> Path {
+        let m = case.interface.areas;
+        let rule = match case.solver.integration {
+            input::Integration::Gauss => fem::interface::Integration::Gauss,
+            input::Integration::Nodal => fem::interface::Integration::Nodal,
+        };
+        let left = mesh.interfaces.iter().flat_map(|i| i.x).fold(f64::MAX, f64::min) - mesh.cut;
+        let span = mesh.path_width - mesh.cut;
+        let mut params = Vec::new();
+        let mut position = Vec::new();
+        for (e, el) in body.cohesive.iter().enumerate() {
+            let nodes = el.lower.map(|n| mesh.nodes[n]);
+            let at: [f64; 4] =
+                std::array::from_fn(|q| (fem::interface::point_x(&nodes, q, rule) - left - mesh.cut) / span);
+            let area = mesh.area(e, m);
+            let point = |q: usize| -> Vec<Blend> {
+                let (a, b, w) = match case.interface.profile {
+                    Profile::Piecewise => (area, area, 0.0),
+                    Profile::Smooth => between(at[q], m),
+                };
+                let blend = |base: usize| Blend { a: base + a, b: base + b, w };
+                let mut list = vec![blend(self.gc), blend(self.sigma_c)];
+                list.extend(self.interface_rest.iter().map(|&i| Blend::one(i)));
+                list
+            };
+            params.push(std::array::from_fn(point));
+            position.push(at);
+        }
+        Path { law: self.interface.clone(), rule, params, position }
+    }
+}
+
+/// Neighbouring area centres and the weight of the second, for the smooth profile.
+fn between(at: f64, m: usize) -> (usize, usize, f64) {
+    let s = (at * m as f64 - 0.5).clamp(0.0, (m - 1) as f64);
+    let a = (s.floor() as usize).min(m - 1);
+    (a, (a + 1).min(m - 1), s - a as f64)
+}
+
+/// A parameter with what the file says about it.
+fn parameter(path: String, mut spec: ParamSpec, value: &Value) -> Parameter {
+    spec.lower = value.min.unwrap_or(spec.lower);
+    spec.upper = value.max.unwrap_or(spec.upper);
+    let free = !value.fixed.unwrap_or(spec.fixed);
+    let start = value.value.unwrap_or(spec.start);
+    // A start inside the bounds the file gives.
+    let start = if value.value.is_none() { start.clamp(spec.lower, spec.upper) } else { start };
+    Parameter { path, value: start, free, spec }
+}

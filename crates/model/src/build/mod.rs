@@ -1,0 +1,137 @@
+//! From a case to models of its tests: meshes, supports, laws, parameters.
+
+mod builder;
+mod supports;
+mod test_model;
+
+pub use test_model::TestModel;
+
+use crate::effect::{Catalogue, Effect, Site};
+use builder::Builder;
+use input::Case;
+use params::Parameter;
+use std::sync::Arc;
+use thiserror::Error;
+
+/// Why a model could not be built.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum BuildError {
+    /// The mesh.
+    #[error("test {test}: {source}")]
+    Mesh {
+        /// Test.
+        test: String,
+        /// What the mesher says.
+        source: mesh::MeshError,
+    },
+    /// The finite-element problem.
+    #[error("test {test}: {source}")]
+    Fem {
+        /// Test.
+        test: String,
+        /// What is wrong.
+        source: fem::FemError,
+    },
+    /// An effect that is not in the catalogue.
+    #[error("unknown effect `{0}`")]
+    UnknownEffect(String),
+    /// Something in the case that no model can be made of.
+    #[error("{0}")]
+    Case(String),
+}
+
+/// An effect in this model.
+pub(crate) struct Active {
+    pub effect: Arc<dyn Effect>,
+    /// θ indices of its parameters.
+    pub params: Vec<usize>,
+    pub options: crate::effect::Options,
+}
+
+/// The model of a specimen: one parameter vector, one model per test.
+pub struct Model {
+    /// The case it was built from.
+    pub case: Arc<Case>,
+    /// All parameters θ, hidden ones included, in the order of the parameter vector.
+    pub parameters: Vec<Parameter>,
+    /// Models of the tests, in the order of the case.
+    pub tests: Vec<TestModel>,
+    pub(crate) active: Vec<Active>,
+}
+
+/// How a model is discretised, beyond what the case says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Discretisation {
+    /// Every element cut into this many along each axis.
+    pub split: usize,
+    /// Element sizes multiplied by this.
+    pub coarsen: f64,
+    /// Keep the half-height model although an effect breaks the mirror: exact to first order at
+    /// the effect's neutral value (a clamp turned by θ against the other is ±θ/2 to the middle).
+    pub neutral_halves: bool,
+}
+
+impl Default for Discretisation {
+    fn default() -> Self {
+        Self { split: 1, coarsen: 1.0, neutral_halves: false }
+    }
+}
+
+impl Model {
+    /// Builds the models of all tests of a case.
+    ///
+    /// # Errors
+    /// [`BuildError`] naming the test.
+    pub fn new(case: Arc<Case>, catalogue: &Catalogue, how: Discretisation) -> Result<Self, BuildError> {
+        let mut builder = Builder::new(&case, catalogue)?;
+        let half_height =
+            how.neutral_halves || builder.active.iter().all(|a| !a.effect.card().breaks_half_height);
+        let tests = case
+            .tests
+            .iter()
+            .enumerate()
+            .map(|(index, test)| builder.test(&case, test, index, half_height, how))
+            .collect::<Result<Vec<_>, _>>()?;
+        Ok(Self { parameters: builder.parameters, active: builder.active, tests, case })
+    }
+
+    /// Present parameter values θ.
+    pub fn theta(&self) -> Vec<f64> {
+        self.parameters.iter().map(|p| p.value).collect()
+    }
+
+    /// Index of the parameter at a path.
+    pub fn find(&self, path: &str) -> Option<usize> {
+        self.parameters.iter().position(|p| p.path == path)
+    }
+
+    /// Indices of the free parameters.
+    pub fn free(&self) -> Vec<usize> {
+        (0..self.parameters.len()).filter(|&i| self.parameters[i].free).collect()
+    }
+
+    /// Whether a parameter is only carried for the law's sake and shown to nobody.
+    pub fn is_hidden(&self, index: usize) -> bool {
+        let p = &self.parameters[index];
+        p.path == "bulk.fibre_onset" && !p.free
+    }
+
+    /// The site a parameter acts on.
+    pub fn site_of(&self, index: usize) -> Site {
+        match self.active.iter().find(|a| a.params.contains(&index)) {
+            Some(a) => a.effect.card().site,
+            None if self.parameters[index].path.starts_with("bulk.") => Site::Bulk,
+            None => Site::Interface,
+        }
+    }
+
+    /// Names of the effects in the model.
+    pub fn effects(&self) -> Vec<String> {
+        self.active.iter().map(|a| a.effect.card().name.to_owned()).collect()
+    }
+
+    /// Number of areas along the tear path.
+    pub fn areas(&self) -> usize {
+        self.case.interface.areas
+    }
+}

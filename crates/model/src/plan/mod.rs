@@ -1,0 +1,213 @@
+//! From a record or a protocol to the steps of a run, and back from steps to record points.
+//!
+//! A test is cut into **pieces** on which the force is smooth: ramps and holds, and a reload is cut
+//! again where it passes the largest displacement so far. Targets lie on one displacement grid, so
+//! that an unload and its reload visit the same states. Record points are interpolated inside their
+//! piece by a cubic through the nearest steps; nothing is interpolated across a turn or a jump.
+
+mod corners;
+mod stencil;
+
+pub use corners::{Corner, corners_of_protocol, corners_of_record};
+pub use stencil::{Place, RunIndex, Stencil};
+
+use fem::Target;
+
+/// How a test is stepped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stepping {
+    /// Grid lines over the range of displacement.
+    pub steps: usize,
+    /// Whether a hold needs steps of its own (some law looks at time).
+    pub holds: bool,
+}
+
+/// A stretch of a test on which the force is smooth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Piece {
+    /// Time at its ends, s.
+    pub time: [f64; 2],
+    /// Displacement at its ends, mm.
+    pub displacement: [f64; 2],
+    /// First and last target (the first is the last of the piece before).
+    pub targets: [usize; 2],
+    /// Which leg of the protocol it belongs to.
+    pub leg: usize,
+}
+
+impl Piece {
+    /// Whether the actuator stands still.
+    pub fn is_hold(&self) -> bool {
+        self.displacement[0] == self.displacement[1]
+    }
+}
+
+/// Steps of a test and the pieces they belong to.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Plan {
+    /// Targets, the first one at the start.
+    pub targets: Vec<Target>,
+    /// Time of each target since the start of the test, s.
+    pub times: Vec<f64>,
+    /// Pieces in order.
+    pub pieces: Vec<Piece>,
+}
+
+/// Pieces and targets for an identification.
+pub fn plan(corners: &[Corner], how: Stepping) -> Plan {
+    let Some(first) = corners.first() else { return Plan::default() };
+    let lowest = corners.iter().fold(f64::MAX, |m, c| m.min(c.displacement));
+    let highest = corners.iter().fold(f64::MIN, |m, c| m.max(c.displacement));
+    let spacing = ((highest - lowest) / how.steps.max(1) as f64).max(1e-9);
+    let mut plan = Plan {
+        targets: vec![Target::new(first.displacement, 0.0)],
+        times: vec![first.time],
+        pieces: Vec::new(),
+    };
+    let mut so_far = [first.displacement; 2];
+    for (leg, w) in corners.windows(2).enumerate() {
+        let (a, b) = (w[0], w[1]);
+        if a.displacement == b.displacement {
+            hold(&mut plan, a, b, leg, how.holds);
+            continue;
+        }
+        let mut ends = vec![a];
+        for mark in so_far {
+            if (mark - a.displacement) * (b.displacement - mark) > 1e-9 {
+                let share = (mark - a.displacement) / (b.displacement - a.displacement);
+                ends.push(Corner { time: a.time + share * (b.time - a.time), displacement: mark });
+            }
+        }
+        ends.push(b);
+        for e in ends.windows(2) {
+            ramp(&mut plan, e[0], e[1], leg, spacing);
+        }
+        so_far = [so_far[0].min(b.displacement), so_far[1].max(b.displacement)];
+    }
+    plan
+}
+
+fn push(plan: &mut Plan, time: f64, displacement: f64) {
+    let dt = time - plan.times[plan.times.len() - 1];
+    plan.targets.push(Target::new(displacement, dt));
+    plan.times.push(time);
+}
+
+fn ramp(plan: &mut Plan, a: Corner, b: Corner, leg: usize, spacing: f64) {
+    let first = plan.targets.len() - 1;
+    let (low, high) = (a.displacement.min(b.displacement), a.displacement.max(b.displacement));
+    let margin = 0.3 * spacing;
+    let from = ((low + margin) / spacing).ceil() as i64;
+    let to = ((high - margin) / spacing).floor() as i64;
+    let mut lines: Vec<f64> = (from..=to).map(|i| i as f64 * spacing).collect();
+    if lines.len() < 3 {
+        lines = (1..4).map(|i| low + (high - low) * f64::from(i) / 4.0).collect();
+    }
+    if b.displacement < a.displacement {
+        lines.reverse();
+    }
+    for u in lines {
+        let share = (u - a.displacement) / (b.displacement - a.displacement);
+        push(plan, a.time + share * (b.time - a.time), u);
+    }
+    push(plan, b.time, b.displacement);
+    let last = plan.targets.len() - 1;
+    plan.pieces.push(Piece {
+        time: [a.time, b.time],
+        displacement: [a.displacement, b.displacement],
+        targets: [first, last],
+        leg,
+    });
+}
+
+/// Shares of a hold at which a relaxing force is followed.
+const HOLD_SHARES: [f64; 10] = [0.003, 0.008, 0.02, 0.045, 0.09, 0.16, 0.28, 0.45, 0.7, 1.0];
+
+fn hold(plan: &mut Plan, a: Corner, b: Corner, leg: usize, steps: bool) {
+    let first = plan.targets.len() - 1;
+    let shares: &[f64] = if steps { &HOLD_SHARES } else { &[1.0] };
+    for s in shares {
+        push(plan, a.time + s * (b.time - a.time), a.displacement);
+    }
+    let last = plan.targets.len() - 1;
+    plan.pieces.push(Piece {
+        time: [a.time, b.time],
+        displacement: [a.displacement; 2],
+        targets: [first, last],
+        leg,
+    });
+}
+
+/// Plan of `fct simulate`: answers at t = 0, every multiple of `step` of travel in each leg, every
+/// corner. With `path`, only the corners: the steps are the path's own.
+pub fn plan_simulation(corners: &[Corner], step: f64, holds: bool, path: bool) -> Plan {
+    let Some(first) = corners.first() else { return Plan::default() };
+    let mut plan = Plan {
+        targets: vec![Target::new(first.displacement, 0.0)],
+        times: vec![first.time],
+        pieces: Vec::new(),
+    };
+    for (leg, w) in corners.windows(2).enumerate() {
+        let (a, b) = (w[0], w[1]);
+        if a.displacement == b.displacement {
+            hold(&mut plan, a, b, leg, holds);
+            continue;
+        }
+        let first = plan.targets.len() - 1;
+        let travel = b.displacement - a.displacement;
+        let count = if path { 0 } else { ((travel.abs() / step) * (1.0 - 1e-9)).floor() as usize };
+        for i in 1..=count {
+            let share = (i as f64 * step / travel.abs()).min(1.0);
+            push(&mut plan, a.time + share * (b.time - a.time), a.displacement + travel * share);
+        }
+        push(&mut plan, b.time, b.displacement);
+        let last = plan.targets.len() - 1;
+        plan.pieces.push(Piece {
+            time: [a.time, b.time],
+            displacement: [a.displacement, b.displacement],
+            targets: [first, last],
+            leg,
+        });
+    }
+    plan
+}
+
+impl Plan {
+    /// First guesses for this plan from states kept over another plan of the same test (one without
+    /// steps in its holds, say): the state of the same time, else that from which a hold began.
+    pub fn guesses(&self, other: &Self, warm: &fem::Warm) -> fem::Warm {
+        let same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs().max(1.0);
+        let at_target = (0..self.targets.len())
+            .map(|i| {
+                let after = other.times.partition_point(|t| *t < self.times[i] && !same(*t, self.times[i]));
+                let exact = other.times.get(after).is_some_and(|t| same(*t, self.times[i]));
+                let from = if exact { after } else { after.checked_sub(1)? };
+                let stands = same(other.targets[from].actuator, self.targets[i].actuator);
+                stands.then(|| warm.at_target.get(from).cloned().flatten()).flatten()
+            })
+            .collect();
+        fem::Warm::at(at_target)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unload_and_reload_visit_the_same_states() {
+        let c = |time: f64, displacement: f64| Corner { time, displacement };
+        let p = plan(
+            &[c(0.0, 0.0), c(20.0, 1.03), c(35.0, 0.31), c(60.0, 1.6)],
+            Stepping { steps: 20, holds: false },
+        );
+        let of = |i: usize| -> Vec<u64> {
+            let t = p.pieces[i].targets;
+            let mut v: Vec<u64> = p.targets[t[0]..=t[1]].iter().map(|t| t.actuator.to_bits()).collect();
+            v.sort_unstable();
+            v
+        };
+        assert_eq!(p.pieces.len(), 4);
+        assert_eq!(of(1), of(2));
+    }
+}

@@ -1,0 +1,227 @@
+//! Runs the tests and predicts what the record holds, with derivatives.
+
+mod channel;
+mod series;
+
+pub use channel::Channel;
+pub use series::Series;
+
+use crate::build::{BuildError, Model, TestModel};
+use crate::camera::Camera;
+use crate::plan::{Corner, Plan, Stepping, corners_of_protocol, corners_of_record, plan};
+use constitutive::WIDTH;
+use fem::sensitivity::{Chunk, Columns};
+use fem::{History, MarchOptions, Run, State, Target, Warm, march};
+use input::TestKind;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Rest between two tests of a piece when the file gives none, s: viscous stresses are gone.
+pub const LONG_REST: f64 = 1e9;
+
+/// How tests are run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunOptions {
+    /// Finite-element options.
+    pub march: MarchOptions,
+    /// Grid lines over the displacement range of a tearing test.
+    pub tearing_steps: usize,
+    /// Grid lines over the displacement range of a uniaxial test.
+    pub uniaxial_steps: usize,
+    /// Follow holds even if no law looks at time (the screen's effects may).
+    pub follow_holds: bool,
+}
+
+impl Default for RunOptions {
+    fn default() -> Self {
+        Self { march: MarchOptions::default(), tearing_steps: 48, uniaxial_steps: 20, follow_holds: false }
+    }
+}
+
+/// The result of one test's run.
+pub struct TestRun {
+    /// Index of the test.
+    pub test: usize,
+    /// Steps asked for.
+    pub plan: Plan,
+    /// Steps made.
+    pub run: Run,
+    /// θ indices of the derivative columns.
+    pub columns: Vec<usize>,
+    /// History at the end, handed on to the next test of the piece.
+    pub history: Vec<f64>,
+}
+
+/// Something to run a test with: the problem is taken at θ; columns follow `seeds`.
+pub struct Request<'a> {
+    /// All parameter values.
+    pub theta: &'a [f64],
+    /// θ indices to differentiate by.
+    pub seeds: &'a [usize],
+    /// Options.
+    pub options: RunOptions,
+    /// Which tests are wanted (earlier tests of a piece with memory are run all the same).
+    pub wanted: &'a [bool],
+    /// First guesses per test from an earlier run.
+    pub warm: &'a [Option<Warm>],
+    /// Asked between steps.
+    pub cancelled: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl Model {
+    /// Corners of the actuator's motion in a test, from its record or protocol.
+    pub fn corners(&self, test: usize) -> Vec<Corner> {
+        let t = &self.tests[test].test;
+        match (&t.record, &t.protocol) {
+            (Some(r), _) => corners_of_record(r),
+            (None, Some(legs)) => corners_of_protocol(legs),
+            (None, None) => Vec::new(),
+        }
+    }
+
+    /// The plan of an identification run.
+    pub fn plan(&self, test: usize, options: &RunOptions) -> Plan {
+        let t = &self.tests[test];
+        let steps = match t.test.kind {
+            TestKind::Tearing => options.tearing_steps,
+            TestKind::Uniaxial => options.uniaxial_steps,
+        };
+        plan(&self.corners(test), Stepping { steps, holds: options.follow_holds || t.rate_dependent() })
+    }
+
+    /// Chains of tests that inherit each other's bulk history.
+    pub fn chains(&self) -> Vec<Vec<usize>> {
+        let mut chains: Vec<Vec<usize>> = Vec::new();
+        for (i, t) in self.tests.iter().enumerate() {
+            match chains.last_mut() {
+                Some(last) if t.has_memory() && !t.test.fresh_piece => last.push(i),
+                _ => chains.push(vec![i]),
+            }
+        }
+        chains
+    }
+
+    /// Runs the wanted tests; independent chains in parallel. One entry per test, `None` where not
+    /// wanted.
+    ///
+    /// # Errors
+    /// [`BuildError`] from setting up a solver; a run that stops early is no error here.
+    pub fn run(&self, request: &Request) -> Result<Vec<Option<TestRun>>, BuildError> {
+        let chains = self.chains();
+        let results: Vec<Result<Vec<TestRun>, BuildError>> = chains
+            .par_iter()
+            .map(|chain| {
+                let last = chain.iter().rposition(|&t| request.wanted[t]);
+                let Some(last) = last else { return Ok(Vec::new()) };
+                self.run_chain(&chain[..=last], request)
+            })
+            .collect();
+        let mut out: Vec<Option<TestRun>> = (0..self.tests.len()).map(|_| None).collect();
+        for r in results {
+            for t in r? {
+                let at = t.test;
+                out[at] = Some(t);
+            }
+        }
+        Ok(out)
+    }
+
+    fn run_chain(&self, chain: &[usize], request: &Request) -> Result<Vec<TestRun>, BuildError> {
+        let mut done = Vec::new();
+        let mut before: Option<(State, Vec<Chunk<WIDTH>>)> = None;
+        for &t in chain {
+            let plan = self.plan(t, &request.options);
+            let (run, state, chunks) = self.run_test(t, request, &plan, before.take())?;
+            done.push(TestRun {
+                test: t,
+                run,
+                plan,
+                columns: request.seeds.to_vec(),
+                history: state.history.bulk.clone(),
+            });
+            before = Some((state, chunks));
+        }
+        Ok(done)
+    }
+
+    /// The state a test starts from.
+    pub fn initial_state(&self, problem: &fem::Problem, test: &TestModel, before: Option<&State>) -> State {
+        let mut state = State::virgin(problem);
+        if let Some(b) = before {
+            state.history.bulk.clone_from(&b.history.bulk);
+            state.time = b.time;
+            if !test.test.remount {
+                state.history.train.clone_from(&b.history.train);
+            }
+        }
+        state
+    }
+
+    #[allow(clippy::type_complexity)]
+    fn run_test(
+        &self,
+        t: usize,
+        request: &Request,
+        plan: &Plan,
+        before: Option<(State, Vec<Chunk<WIDTH>>)>,
+    ) -> Result<(Run, State, Vec<Chunk<WIDTH>>), BuildError> {
+        let test = &self.tests[t];
+        let problem = Arc::new(test.problem(request.theta));
+        let mut system = test.take_system(&problem)?;
+        let mut chunks = fem::sensitivity::columns_for(&problem, request.theta, request.seeds);
+        let initial = self.initial_state(&problem, test, before.as_ref().map(|b| &b.0));
+        if let Some((_, old)) = &before {
+            for (c, o) in chunks.iter_mut().zip(old) {
+                c.carry_bulk_from(o);
+            }
+        }
+        let mut targets = plan.targets.clone();
+        if before.is_some()
+            && let Some(first) = targets.first_mut()
+        {
+            *first = Target { dt: test.test.rest_s.unwrap_or(LONG_REST), rest: true, ..*first };
+        }
+        let camera = self.camera_at(t, request.theta);
+        let mut columns: Vec<&mut (dyn Columns + 'static)> =
+            chunks.iter_mut().map(|c| c as &mut (dyn Columns + 'static)).collect();
+        let run = march(
+            &problem,
+            request.theta,
+            &mut system,
+            Some(initial),
+            &targets,
+            &mut columns,
+            &camera,
+            request.options.march,
+            request.warm.get(t).and_then(Option::as_ref),
+            request.cancelled,
+        );
+        test.give_back(system);
+        let state = run
+            .last
+            .clone()
+            .unwrap_or_else(|| State { history: History::virgin(&problem), ..State::virgin(&problem) });
+        Ok((run, state, chunks))
+    }
+
+    /// The camera with the thresholds of θ.
+    pub fn camera_at(&self, t: usize, theta: &[f64]) -> Camera {
+        let mut c = self.tests[t].camera(self.areas());
+        for (a, threshold) in c.thresholds.iter_mut().enumerate() {
+            *threshold = match self.tests[t].test.tear_front_opening {
+                Some(x) => x,
+                None => self.threshold(a, theta).0,
+            };
+        }
+        c
+    }
+
+    /// δc of an area and its derivatives by (Gc, σc).
+    fn threshold(&self, area: usize, theta: &[f64]) -> (f64, [f64; 2]) {
+        let at = |what: &str| self.find(&format!("interface.area[{}].{what}", area + 1));
+        let (Some(g), Some(s)) = (at("gc"), at("sigma_c")) else { return (f64::INFINITY, [0.0; 2]) };
+        let e = std::f64::consts::E;
+        let (gc, sc) = (theta[g], theta[s]);
+        (gc / (e * sc), [1.0 / (e * sc), -gc / (e * sc * sc)])
+    }
+}
