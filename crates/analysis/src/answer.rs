@@ -110,35 +110,35 @@ fn screen_rows(screen: &Screen, policy: &Policy, catalogue: &Catalogue) -> Vec<S
     screen
         .findings
         .iter()
+        .map(|f| in_file_units(f, catalogue))
         .map(|f| ScreenRow {
-            effect: f.effect.clone(),
             expected_fall: f.expected_fall,
             p_value: f.p_value,
             q_value: f.q_value,
-            estimate: estimate(f, catalogue),
+            estimate: f.amplitudes.iter().chain(&f.shape).cloned().collect(),
             visible: f.visible,
             signal_to_noise: f.snr,
             significant: f.significant,
             refit_only: f.refit_only,
-            look_alikes: f.look_alikes.clone(),
-            sentence: diagnose::words::finding(f, policy),
+            sentence: diagnose::words::finding(&f, policy),
+            effect: f.effect,
+            look_alikes: f.look_alikes,
         })
         .collect()
 }
 
-/// Estimated parameters by file key, in the unit of the key, neutral value added.
-fn estimate(f: &Finding, catalogue: &Catalogue) -> BTreeMap<String, f64> {
+/// A finding as a file would give it: values in the unit of their key, neutral values added.
+fn in_file_units(f: &Finding, catalogue: &Catalogue) -> Finding {
     let specs = catalogue.get(&f.effect).map(|e| e.parameters(&model::Options::new())).unwrap_or_default();
-    let mut out = BTreeMap::new();
-    for (name, value) in f.amplitudes.iter().map(|(n, a)| (n, *a)).chain(f.shape.iter().map(|(n, s)| (n, *s)))
-    {
-        let spec = specs.iter().find(|s| s.key() == *name);
-        let is_amplitude = f.amplitudes.iter().any(|a| a.0 == *name);
-        let neutral = spec.filter(|_| is_amplitude).and_then(|s| s.neutral).unwrap_or(0.0);
-        let shown = spec.map_or(value, |s| s.in_file_unit(value + neutral));
-        out.insert(name.clone(), shown);
+    let spec = |name: &str| specs.iter().find(|s| s.key() == name);
+    let mut shown = f.clone();
+    for (name, value) in &mut shown.amplitudes {
+        *value = spec(name).map_or(*value, |s| s.in_file_unit(*value + s.neutral.unwrap_or(0.0)));
     }
-    out
+    for (name, value) in &mut shown.shape {
+        *value = spec(name).map_or(*value, |s| s.in_file_unit(*value));
+    }
+    shown
 }
 
 fn word(v: Verdict) -> &'static str {
@@ -190,11 +190,16 @@ pub fn diagnose(
 ) -> Result<DiscoverAnswer, AnalysisError> {
     let start = Instant::now();
     let policy = Policy::default();
-    let mut ladder = FeLadder::new(case.clone(), catalogue, policy.clone(), progress, cancelled)?;
+    let mut ladder = FeLadder::new(case, catalogue, policy.clone(), progress, cancelled)?;
     let rung = diagnose::Ladder::fit(&mut ladder, &[], &diagnose::Hints::new())?;
     let screen = diagnose::Ladder::screen(&mut ladder, &rung)?;
     let explained = rung.explained(&policy);
-    let called: Vec<&Finding> = screen.findings.iter().filter(|f| f.significant).collect();
+    let mut screen = screen;
+    // As in the whole loop: what is left on an explained record must be large to be named.
+    if explained && screen.findings.iter().all(|f| f.fall < policy.min_fall_explained) {
+        screen.set_aside_significant();
+    }
+    let called: Vec<&Finding> = screen.findings.iter().filter(|f| f.significant && !f.set_aside).collect();
     let verdict = match (explained, called.first()) {
         (true, None) => "nothing_missing",
         (_, Some(f)) if f.look_alikes.is_empty() => "explained",
@@ -202,28 +207,39 @@ pub fn diagnose(
         (false, None) => "unexplained",
     };
     let mut words = vec![diagnose::words::place(&compare::atlas_of(&ladder))];
-    words.extend(called.iter().take(3).map(|f| diagnose::words::finding(f, &policy)));
+    let shown = called.iter().take(3).map(|f| in_file_units(f, catalogue));
+    words.extend(shown.map(|f| diagnose::words::finding(&f, &policy)));
     words.push(
         "A screen is a linear prediction: `fct discover` refits the candidates before it names one.".into(),
     );
+    let group = |f: &&Finding| std::iter::once(f.effect.clone()).chain(f.look_alikes.clone()).collect();
     Ok(DiscoverAnswer {
+        found: called.first().map(|f| vec![f.effect.clone()]).unwrap_or_default(),
+        groups: called.first().map(|f| vec![group(f)]).unwrap_or_default(),
+        verdict: verdict.to_owned(),
+        words,
+        ..answer(&ladder, &screen, start, &policy)
+    })
+}
+
+/// What a screen and a search say alike: the case, the screen, where the base model is off, the cost.
+fn answer(ladder: &FeLadder, screen: &Screen, start: Instant, policy: &Policy) -> DiscoverAnswer {
+    let case = ladder.case();
+    DiscoverAnswer {
         schema: 1,
         specimen: case.name.clone(),
         provenance: case.provenance.clone(),
-        screen: screen_rows(&screen, &policy, catalogue),
+        screen: screen_rows(screen, policy, ladder.catalogue()),
         ladder: Vec::new(),
-        found: called.first().map(|f| vec![f.effect.clone()]).unwrap_or_default(),
-        groups: called
-            .first()
-            .map(|f| vec![std::iter::once(f.effect.clone()).chain(f.look_alikes.clone()).collect()])
-            .unwrap_or_default(),
-        verdict: verdict.to_owned(),
-        words,
-        place: compare::places(&ladder),
+        found: Vec::new(),
+        groups: Vec::new(),
+        verdict: String::new(),
+        words: Vec::new(),
+        place: compare::places(ladder),
         next_test: None,
         forward_runs: ladder.runs,
         seconds: start.elapsed().as_secs_f64(),
-    })
+    }
 }
 
 /// The whole loop: add effects until the record is explained, or honestly not.
@@ -238,21 +254,15 @@ pub fn discover(
 ) -> Result<DiscoverAnswer, AnalysisError> {
     let start = Instant::now();
     let policy = Policy::default();
-    let mut ladder = FeLadder::new(case.clone(), catalogue, policy.clone(), progress, cancelled)?;
+    let mut ladder = FeLadder::new(case, catalogue, policy.clone(), progress, cancelled)?;
     let d = diagnose::discover(&mut ladder, &policy, &mut |s| progress(s))?;
     Ok(DiscoverAnswer {
-        schema: 1,
-        specimen: case.name.clone(),
-        provenance: case.provenance.clone(),
-        screen: screen_rows(&d.screen, &policy, catalogue),
         ladder: d.ladder.iter().map(|r| ladder_row(&ladder, r)).collect(),
         found: d.found.clone(),
         groups: d.groups.clone(),
         verdict: word(d.verdict).to_owned(),
         words: vec![diagnose::words::verdict(&d, &policy)],
-        place: compare::places(&ladder),
         next_test: next_test(&d, catalogue),
-        forward_runs: ladder.runs,
-        seconds: start.elapsed().as_secs_f64(),
+        ..answer(&ladder, &d.screen, start, &policy)
     })
 }

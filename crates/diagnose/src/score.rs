@@ -71,7 +71,7 @@ pub struct Screen {
 
 impl Screen {
     /// Sets aside what is significant: the search named nothing, and these records cannot exclude it.
-    pub(crate) fn set_aside_significant(&mut self) {
+    pub fn set_aside_significant(&mut self) {
         for f in self.findings.iter_mut().filter(|f| f.significant) {
             f.set_aside = true;
             f.visible = false;

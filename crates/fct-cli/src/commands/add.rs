@@ -8,7 +8,7 @@ use ::report::answer::SCHEMA;
 use input::edit::add_effect;
 use model::Options;
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `fct add`.
 #[derive(Debug, clap::Args)]
@@ -21,7 +21,14 @@ pub struct Arguments {
     pub file: PathBuf,
 }
 
-/// Writes the config with the effect, comments and order kept.
+/// What the screen of a run found out about an effect: start values and the reason.
+fn finding(run: &Path, effect: &str) -> Option<serde_json::Value> {
+    let text = std::fs::read_to_string(run.join("summary.json")).ok()?;
+    let summary: serde_json::Value = serde_json::from_str(&text).ok()?;
+    summary["screen"].as_array()?.iter().find(|f| f["effect"] == effect).cloned()
+}
+
+/// Writes the config with the effect, started from the run's screen where there is one; comments and order kept.
 ///
 /// # Errors
 /// An unknown effect, one that is there already or excluded by another, an unreadable file.
@@ -31,12 +38,21 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let from = source(&arguments.file)?;
     let specs = effect.parameters(&Options::new());
     let keys: Vec<String> = specs.iter().map(|s| s.key()).collect();
+    let finding = from.run.as_deref().and_then(|run| finding(run, card.name));
+    let start = |default: f64, bounds: [f64; 2], key: &str| {
+        let estimated = finding.as_ref().and_then(|f| f["estimate"][key].as_f64());
+        estimated.filter(|x| (bounds[0]..=bounds[1]).contains(x)).unwrap_or(default)
+    };
     let parameters: Vec<(&str, f64, &str)> = specs
         .iter()
         .zip(&keys)
-        .map(|(s, k)| (k.as_str(), s.in_file_unit(s.start), &*s.description))
+        .map(|(s, k)| {
+            let bounds = [s.lower, s.upper].map(|b| s.in_file_unit(b));
+            (k.as_str(), start(s.in_file_unit(s.start), bounds, k), &*s.description)
+        })
         .collect();
-    let reason = format!("{}: {}", card.name, card.summary);
+    let sentence = finding.as_ref().and_then(|f| f["sentence"].as_str());
+    let reason = sentence.map_or_else(|| format!("{}: {}", card.name, card.summary), str::to_owned);
     let text = add_effect(&from.text, card.name, &parameters, &reason)
         .map_err(|e| Failure::usage(format!("fct: {}: {e}", from.file.display())))?;
     let file = write(&from, &text, &format!("+{}", card.name), session)?;

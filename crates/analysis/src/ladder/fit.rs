@@ -1,0 +1,191 @@
+//! Fits of a rung on the search mesh, and their correction by what the file's mesh says more.
+
+use super::{FeLadder, Fitted};
+use crate::columns::transfer;
+use crate::identify::{AnalysisError, frees, run_options};
+use crate::problem::FeProblem;
+use crate::{priors, start};
+use input::EffectConfig;
+use inverse::{FitOptions, Problem as _, quality};
+use model::{Discretisation, Model};
+use nalgebra::DVector;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+/// Relative fall of χ² that is worth another step of the search.
+const TOLERANCE: f64 = 3e-3;
+
+/// Trials of one step before the search is content.
+const TRIALS: usize = 5;
+
+/// Reduced χ² beyond which a model is far from the record.
+const FAR: f64 = 3.0;
+
+/// Rounds of fit and correction at most.
+const ROUNDS: usize = 2;
+
+/// A correction that moves by less than this (rms, in noise sd) stands.
+const SETTLED: f64 = 0.3;
+
+/// A rung is worth its own correction when its χ² is within this factor of the best so far.
+const PROMISING: f64 = 1.5;
+
+/// A fit that is still this many times worse than the best model known, after so many steps, is
+/// given up: it will not be chosen.
+const HOPELESS: f64 = 4.0;
+const PATIENCE: usize = 4;
+
+impl FeLadder<'_> {
+    /// The base fit: start, coarse fit, the finer mesh's correction, fit again.
+    pub(super) fn base(&mut self) -> Result<(), AnalysisError> {
+        let model = Model::new(self.case.clone(), self.catalogue, self.how)?;
+        let mut theta = model.theta();
+        let say = self.progress;
+        let shown = |p: &crate::Progress| {
+            say(&format!(
+                "start: {} step {} f {:?} {:.4?}",
+                p.stage.word(),
+                p.iterate.iteration,
+                p.iterate.f,
+                p.iterate.theta
+            ))
+        };
+        let quiet = crate::Control { progress: &shown, cancelled: self.cancelled };
+        if let Some(start) = start::for_case(&self.case, self.catalogue, self.options, &quiet)? {
+            start::spread(&model, &start, &mut theta);
+        }
+        let none = DVector::zeros(self.measured.data.points());
+        let mut fitted = self.fit_model(model, theta, 1e-2, none, Vec::new())?;
+        for _ in 0..ROUNDS {
+            let Some(correction) = self.correction_of(&fitted)? else { break };
+            let settled = self.change(&correction, &fitted.correction) < SETTLED;
+            self.measured = self.measured.clone().with_numerical_error(&correction);
+            fitted = self.fit_model(fitted.model, fitted.theta, TOLERANCE, correction, fitted.warm)?;
+            // A model that misses the record by far is not the answer: once is enough.
+            if settled || fitted.quality.reduced_chi2_total > FAR {
+                break;
+            }
+        }
+        self.rungs.insert(Vec::new(), fitted);
+        Ok(())
+    }
+
+    /// What the file's mesh says more than the search mesh, at a fit; `None` where it cannot be
+    /// computed.
+    fn correction_of(&mut self, f: &Fitted) -> Result<Option<DVector<f64>>, AnalysisError> {
+        let added: Vec<EffectConfig> = f.model.case.effects.clone();
+        let mut case = (*self.fine_case).clone();
+        case.effects = added;
+        let fine = Model::new(Arc::new(case), self.catalogue, Discretisation::default())?;
+        let theta = transfer(&f.model, &f.theta, &fine);
+        let mut options = run_options(&self.case);
+        // A run that struggles on the finer mesh is not worth waiting for.
+        options.march.budget = 2 * crate::identify::TRIAL_BUDGET;
+        // As in the search: far below what the mesh does.
+        options.march.newton.tolerance = self.options.march.newton.tolerance;
+        let slots = &self.measured.slots;
+        let problem = FeProblem::new(&fine, theta, Vec::new(), slots, options, self.cancelled);
+        self.runs += 1;
+        (self.progress)("numerical error: one run on the file's mesh");
+        match problem.predict(&[], false) {
+            Ok(p) => Ok(Some(&p.values - (&f.fit.prediction.values - &f.correction))),
+            Err(inverse::PredictError::Interrupted) => Err(inverse::PredictError::Interrupted.into()),
+            Err(e) => {
+                (self.progress)(&format!("the file's mesh gives no answer here: {e}"));
+                Ok(None)
+            }
+        }
+    }
+
+    /// Root mean square of the change of a correction, in standard deviations of the noise.
+    fn change(&self, a: &DVector<f64>, b: &DVector<f64>) -> f64 {
+        let d = a - b;
+        let blocks = &self.measured.data.blocks;
+        let sum: f64 = blocks
+            .iter()
+            .map(|k| d.rows(k.range.start, k.range.len()).norm_squared() / k.noise.sd.powi(2))
+            .sum();
+        (sum / d.len().max(1) as f64).sqrt()
+    }
+
+    /// Fits a rung; one that promises to be the answer gets its own correction.
+    pub(super) fn fit_rung(
+        &mut self,
+        model: Model,
+        theta: Vec<f64>,
+        start: DVector<f64>,
+    ) -> Result<Fitted, AnalysisError> {
+        let mut fitted = self.fit_model(model, theta, TOLERANCE, start, Vec::new())?;
+        let best = self.rungs.values().map(|f| f.quality.reduced_chi2_total).fold(f64::INFINITY, f64::min);
+        for _ in 0..ROUNDS {
+            if fitted.quality.reduced_chi2_total > PROMISING * best {
+                break;
+            }
+            let Some(correction) = self.correction_of(&fitted)? else { break };
+            let change = self.change(&correction, &fitted.correction);
+            fitted = self.fit_model(fitted.model, fitted.theta, TOLERANCE, correction, fitted.warm)?;
+            if change < SETTLED {
+                break;
+            }
+        }
+        Ok(fitted)
+    }
+
+    /// Fits a model from θ on all data (joint, whitened, with priors).
+    fn fit_model(
+        &mut self,
+        model: Model,
+        theta: Vec<f64>,
+        tolerance: f64,
+        correction: DVector<f64>,
+        states: Vec<Option<fem::Warm>>,
+    ) -> Result<Fitted, AnalysisError> {
+        let free = model.free();
+        let mut list = frees(&model, &theta, &free);
+        let literature = self.case.identify.priors.literature.unwrap_or(true);
+        priors::add(&mut list, &self.case, literature);
+        let (fit, warm) = {
+            let mut problem = FeProblem::new(
+                &model,
+                theta.clone(),
+                free.clone(),
+                &self.measured.slots,
+                self.options,
+                self.cancelled,
+            );
+            problem.options.march.budget = crate::identify::TRIAL_BUDGET;
+            problem.correction = correction.clone();
+            problem.start_from(states);
+            let options = FitOptions {
+                tolerance,
+                max_iterations: 12,
+                max_trials: TRIALS,
+                initial_damping: 1e-2,
+                max_step: 0.7,
+                ..FitOptions::default()
+            };
+            let progress = self.progress;
+            let names = model.effects().join(" + ");
+            let best = self.rungs.values().map(|f| f.fit.f).fold(f64::INFINITY, f64::min);
+            let fit = inverse::fit(&problem, &self.measured.data, &list, &options, &mut |i| {
+                if let Some(f) = i.f {
+                    progress(&format!(
+                        "fit [{names}] step {} χ² {f:.1}{}",
+                        i.iteration,
+                        if i.accepted { "" } else { " (rejected)" }
+                    ));
+                }
+                let hopeless = i.iteration >= PATIENCE && i.f.is_some_and(|f| f > HOPELESS * best);
+                if hopeless { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            })?;
+            self.runs += problem.runs();
+            (fit, problem.warm())
+        };
+        let mut all = theta;
+        for (&i, &v) in free.iter().zip(&fit.theta) {
+            all[i] = v;
+        }
+        let quality = quality(&self.measured.data, &list, &fit);
+        Ok(Fitted { model, theta: all, free, frees: list, fit, quality, correction, warm })
+    }
+}

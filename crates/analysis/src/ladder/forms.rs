@@ -1,0 +1,106 @@
+//! The effects of a rung as configurations: their start values, and other forms of the same effect.
+
+use super::{FeLadder, Fitted};
+use crate::columns::{config_of, config_with, scales, transfer};
+use crate::identify::AnalysisError;
+use diagnose::Finding;
+use input::EffectConfig;
+use model::Model;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+impl FeLadder<'_> {
+    /// The same effects with one of them in another form, where the fit helps but leaves structure,
+    /// as long as a form pays for its parameters.
+    pub(super) fn enrich(&mut self, mut f: Fitted) -> Result<Fitted, AnalysisError> {
+        let best = self.rungs.values().map(|r| r.quality.reduced_chi2_total).fold(f64::INFINITY, f64::min);
+        if f.quality.reduced_chi2_total > best {
+            return Ok(f);
+        }
+        for at in 0..f.model.case.effects.len() {
+            while let Some(better) = self.better_form(&f, at)? {
+                f = better;
+            }
+        }
+        Ok(f)
+    }
+
+    /// The first other form of one effect that pays, if the record is not explained yet.
+    fn better_form(&mut self, f: &Fitted, at: usize) -> Result<Option<Fitted>, AnalysisError> {
+        if self.rung(&f.model.effects(), f).explained(&self.policy) {
+            return Ok(None);
+        }
+        let config = &f.model.case.effects[at];
+        let Some(effect) = self.catalogue.get(&config.name) else { return Ok(None) };
+        let path = |s: &params::ParamSpec| format!("effects.{}.{}", config.name, s.name);
+        let values: Vec<f64> =
+            config.specs.iter().filter_map(|s| f.model.find(&path(s)).map(|i| f.theta[i])).collect();
+        for (settings, values) in effect.richer(&config.options, &values) {
+            let mut case = (*f.model.case).clone();
+            case.effects[at] = config_with(effect, &settings, &values);
+            let model = Model::new(Arc::new(case), self.catalogue, self.how)?;
+            let mut theta = transfer(&f.model, &f.theta, &model);
+            for (spec, v) in effect.parameters(&settings).iter().zip(&values) {
+                if let Some(i) = model.find(&path(spec)) {
+                    theta[i] = *v;
+                }
+            }
+            (self.progress)(&format!("{} in another form: {}", config.name, in_words(&settings)));
+            let fitted = self.fit_rung(model, theta, f.correction.clone())?;
+            if fitted.quality.bic + self.policy.add_bic < f.quality.bic {
+                return Ok(Some(fitted));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Configurations of effects, started from the screen's findings.
+    pub(super) fn configs(
+        &self,
+        effects: &[String],
+        hints: &BTreeMap<String, Finding>,
+        base: &Fitted,
+    ) -> Vec<EffectConfig> {
+        let scales = scales(&base.model, &base.theta);
+        effects
+            .iter()
+            .filter(|e| !self.case.effects.iter().any(|c| &&c.name == e))
+            .filter_map(|name| {
+                if let Some(known) = base.model.case.effects.iter().find(|c| &c.name == name) {
+                    return Some(known.clone());
+                }
+                let effect = self.catalogue.get(name)?;
+                let specs = effect.parameters(&model::Options::new());
+                let mut values = effect.start(&scales);
+                if let Some(h) = hints.get(name) {
+                    start_from(h, &specs, &mut values);
+                }
+                Some(config_of(effect, &values))
+            })
+            .collect()
+    }
+}
+
+/// Settings as a file would give them.
+fn in_words(settings: &model::Options) -> String {
+    let one = |(name, value): (&String, &input::OptionValue)| format!("{name} = {value}");
+    settings.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// Start values from a finding: its shape, and its amplitude held inside the plausible.
+fn start_from(h: &Finding, specs: &[params::ParamSpec], values: &mut [f64]) {
+    for (spec, v) in specs.iter().zip(values.iter_mut()).skip(1) {
+        if let Some((_, s)) = h.shape.iter().find(|(n, _)| *n == spec.key()) {
+            *v = *s;
+        }
+    }
+    let neutral = specs[0].neutral.unwrap_or(0.0);
+    let plausible = (values[0] - neutral).abs();
+    if let Some((_, a)) = h.amplitudes.first() {
+        // A linear estimate may overshoot: never start beyond three plausible amplitudes, nor at
+        // nothing.
+        let size = a.abs().clamp(0.05 * plausible, 3.0 * plausible);
+        values[0] =
+            (neutral + size.copysign(if *a == 0.0 { 1.0 } else { *a })).clamp(specs[0].lower, specs[0].upper);
+    }
+}

@@ -1,0 +1,215 @@
+//! The finite-element model as a ladder: fits with any set of effects, and screens at each rung.
+//!
+//! Fits run on a mesh coarser than the file's, corrected by what the file's mesh says more at the
+//! fit (defect correction, repeated until it stands); the same difference tells the numerical error
+//! that every χ², test and interval carries.
+
+mod fit;
+mod forms;
+mod held_out;
+
+use crate::columns::{Base, case_with, transfer};
+use crate::data::Measured;
+use crate::identify::{AnalysisError, coarse_case, run_options};
+use crate::problem::Cancelled;
+use diagnose::{Candidate, Policy, Rung, Screen};
+use input::Case;
+use inverse::{Data, Fit, Free, Noise, Quality, Whitened};
+use model::{Catalogue, Discretisation, Model, RunOptions};
+use nalgebra::DVector;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// How much coarser than the file's mesh the search works.
+const COARSEN: f64 = 2.0;
+
+/// Steps and tolerance of the search: the numerical error that every test carries includes them.
+fn search_options(case: &Case) -> RunOptions {
+    let mut o = run_options(case);
+    (o.tearing_steps, o.uniaxial_steps) = (30, 14);
+    o.march.newton.tolerance = o.march.newton.tolerance.max(1e-7);
+    o
+}
+
+/// A fitted rung with everything a screen or a report needs.
+pub struct Fitted {
+    /// The model (coarse).
+    pub model: Model,
+    /// Its values.
+    pub theta: Vec<f64>,
+    /// Free parameters.
+    pub free: Vec<usize>,
+    /// As the optimiser saw them.
+    pub frees: Vec<Free>,
+    /// Fit with jacobian.
+    pub fit: Fit,
+    /// χ² and kin.
+    pub quality: Quality,
+    /// What the file's mesh says more than the search mesh, at this fit.
+    pub correction: DVector<f64>,
+    /// States of the last run: first guesses.
+    pub warm: Vec<Option<fem::Warm>>,
+}
+
+/// The ladder of one case.
+pub struct FeLadder<'a> {
+    case: Arc<Case>,
+    fine_case: Arc<Case>,
+    catalogue: &'a Catalogue,
+    how: Discretisation,
+    options: RunOptions,
+    cancelled: Cancelled<'a>,
+    /// Data with noise and numerical error.
+    pub measured: Measured,
+    /// Every rung that was fitted, by its sorted effects.
+    pub rungs: BTreeMap<Vec<String>, Fitted>,
+    /// Candidates of the latest screen, with raw columns.
+    pub candidates: Vec<Candidate>,
+    /// Forward runs so far.
+    pub runs: usize,
+    policy: Policy,
+    progress: &'a (dyn Fn(&str) + Sync),
+}
+
+impl<'a> FeLadder<'a> {
+    /// Fits the case's own model and finds the numerical error.
+    ///
+    /// # Errors
+    /// [`AnalysisError`].
+    pub fn new(
+        case: Arc<Case>,
+        catalogue: &'a Catalogue,
+        policy: Policy,
+        progress: &'a (dyn Fn(&str) + Sync),
+        cancelled: Cancelled<'a>,
+    ) -> Result<Self, AnalysisError> {
+        let coarse = coarse_case(&case);
+        let how = if coarse.mesh == case.mesh {
+            Discretisation { coarsen: COARSEN, ..Discretisation::default() }
+        } else {
+            Discretisation::default()
+        };
+        let fine = Model::new(case.clone(), catalogue, Discretisation::default())?;
+        let wanted: Vec<bool> = fine.tests.iter().map(|t| t.test.record.is_some()).collect();
+        let measured = Measured::cautious(&fine, &wanted)?;
+        let mut ladder = Self {
+            case: Arc::new(coarse),
+            fine_case: case.clone(),
+            catalogue,
+            how,
+            options: search_options(&case),
+            cancelled,
+            measured,
+            rungs: BTreeMap::new(),
+            candidates: Vec::new(),
+            runs: 0,
+            policy,
+            progress,
+        };
+        ladder.base()?;
+        Ok(ladder)
+    }
+}
+
+impl diagnose::Ladder for FeLadder<'_> {
+    type Error = AnalysisError;
+
+    fn fit(&mut self, effects: &[String], hints: &diagnose::Hints) -> Result<Rung, AnalysisError> {
+        let key = Self::key(effects);
+        if !self.rungs.contains_key(&key) {
+            let Some(base) = self.nearest(&key) else {
+                return Err(AnalysisError::Case("no base fit".into()));
+            };
+            let configs = self.configs(effects, hints, base);
+            let case = case_with(&self.case, &configs);
+            let model = Model::new(Arc::new(case), self.catalogue, self.how)?;
+            let theta = transfer(&base.model, &base.theta, &model);
+            let start = base.correction.clone();
+            let fitted = self.fit_rung(model, theta, start)?;
+            let fitted = self.enrich(fitted)?;
+            self.rungs.insert(key.clone(), fitted);
+        }
+        let fitted = &self.rungs[&key];
+        let rung = self.rung(effects, fitted);
+        (self.progress)(&format!(
+            "[{}] reduced χ² {:.2} (with numerical error {:.2}), BIC {:.1}",
+            effects.join(" + "),
+            rung.reduced_chi2,
+            rung.reduced_chi2_total(),
+            rung.bic
+        ));
+        Ok(rung)
+    }
+
+    fn screen(&mut self, rung: &Rung) -> Result<Screen, AnalysisError> {
+        let key = Self::key(&rung.effects);
+        let Some(f) = self.rungs.get(&key) else {
+            return Err(AnalysisError::Case("screen before fit".into()));
+        };
+        let base = Base {
+            model: &f.model,
+            theta: &f.theta,
+            free: &f.free,
+            catalogue: self.catalogue,
+            how: self.how,
+            options: self.options,
+            slots: &self.measured.slots,
+            warm: &f.warm,
+            cancelled: self.cancelled,
+        };
+        (self.progress)(&format!("screen at [{}]", rung.effects.join(" + ")));
+        let screened = base.screen()?;
+        self.runs += 1 + screened.secant_runs;
+        let mut prediction = screened.prediction;
+        prediction.values += &f.correction;
+        let white = Whitened::new(&self.measured.data, &f.frees, &f.fit.theta, &prediction, Noise::Total);
+        self.candidates = screened.candidates;
+        diagnose::screen(&white, &f.fit.at_bound, &self.candidates, self.measured.data.points(), &self.policy)
+            .map_err(|e| AnalysisError::Case(e.to_string()))
+    }
+
+    fn compatible(&self, effects: &[String]) -> bool {
+        effects.iter().all(|a| {
+            self.catalogue
+                .get(a)
+                .is_some_and(|e| !effects.iter().any(|b| e.card().excludes.contains(&b.as_str())))
+        })
+    }
+
+    fn interrupted(&self) -> bool {
+        (self.cancelled)()
+    }
+}
+
+impl FeLadder<'_> {
+    /// The fitted rung with the most of these effects: the start of a new fit.
+    fn nearest(&self, key: &[String]) -> Option<&Fitted> {
+        self.rungs
+            .iter()
+            .filter(|(k, _)| k.iter().all(|e| key.contains(e)))
+            .max_by_key(|(k, _)| k.len())
+            .map(|(_, f)| f)
+    }
+
+    /// The effects that are searched.
+    pub const fn catalogue(&self) -> &Catalogue {
+        self.catalogue
+    }
+
+    /// A rung's key: effects in sorted order.
+    pub fn key(effects: &[String]) -> Vec<String> {
+        let mut k = effects.to_vec();
+        k.sort();
+        k
+    }
+
+    /// The case on its search mesh.
+    pub fn case(&self) -> &Case {
+        &self.case
+    }
+
+    /// Data of the ladder.
+    pub fn data(&self) -> &Data {
+        &self.measured.data
+    }
+}
