@@ -6,7 +6,7 @@ fn main() {
     let cat = effects::catalogue();
     for path in std::env::args().skip(1) {
         let case = input::read_case(std::path::Path::new(&path), &cat).unwrap_or_else(|e| panic!("{e}"));
-        for coarsen in [2.0] {
+        for coarsen in [1.0] {
             let how = model::Discretisation { coarsen, ..model::Discretisation::default() };
             let options = analysis::run_options(&case);
             let m = model::Model::new(Arc::new(case.clone()), &cat, how).unwrap();
@@ -27,6 +27,8 @@ fn main() {
                 ("warm jac", true, 0.0),
                 ("first order +2%", false, 0.02),
                 ("first order -0.5%", false, -0.005),
+                ("first order 0.2% jac", true, 0.002),
+                ("first order 0.2% jac", true, 0.002),
             ] {
                 for v in &mut values {
                     *v *= 1.0 + change;

@@ -140,6 +140,14 @@ impl<L: Ladder> Search<'_, L> {
         answer
     }
 
+    /// Whether a pair is better than one effect by enough for two names: on a record that stays
+    /// unexplained nearly anything pays a little.
+    fn worth_a_second(&self, one: &Rung, pair: &Rung) -> bool {
+        let gain = one.chi2_total - pair.chi2_total;
+        pair.bic <= one.bic - self.policy.add_bic
+            && (pair.explained(self.policy) || gain >= self.policy.min_share_unexplained * one.excess())
+    }
+
     /// The best single effect that pays; where it leaves structure, a pair if that is better by `add_bic`.
     fn best_step(&mut self, current: &Rung, screen: &Screen) -> Option<Rung> {
         let mut best = self.best_single(current, screen);
@@ -147,8 +155,7 @@ impl<L: Ladder> Search<'_, L> {
         if !done(&best, self.policy) && current.effects.len() + 2 <= self.policy.max_effects {
             let pairs = self.pair_shortlist(current, screen);
             if let Some(pair) = self.best_of(current, pairs) {
-                let better = best.as_ref().is_none_or(|b| pair.bic <= b.bic - self.policy.add_bic);
-                if better {
+                if best.as_ref().is_none_or(|b| self.worth_a_second(b, &pair)) {
                     best = Some(pair);
                 }
             }

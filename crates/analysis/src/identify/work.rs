@@ -16,9 +16,13 @@ use std::ops::ControlFlow;
 const COARSE_TOLERANCE: f64 = 5e-3;
 const COARSE_TRIALS: usize = 4;
 
-/// Three steps in a row that lower χ² by less than this end the search: a tenth of what one
-/// parameter is worth by chance.
-const INSIGNIFICANT: f64 = 0.1;
+/// Three steps in a row that lower χ² by less than this end the search: a quarter of what one
+/// parameter is worth by chance, each step half a standard deviation at most in any direction.
+const INSIGNIFICANT: f64 = 0.25;
+
+/// Newton tolerance of the search, if the file's is not coarser: it moves χ² by far less than a step
+/// does. The last run, which the answer is made from, takes the file's.
+const SEARCH_TOLERANCE: f64 = 1e-7;
 
 /// Newton iterations a trial run may take: about five times what a smooth tear needs.
 pub(crate) const TRIAL_BUDGET: usize = 2500;
@@ -109,6 +113,8 @@ impl<'a> Work<'a> {
         };
         let mut problem = problem;
         problem.options.march.budget = TRIAL_BUDGET;
+        let newton = &mut problem.options.march.newton;
+        newton.tolerance = newton.tolerance.max(SEARCH_TOLERANCE);
         let (progress, history) = (self.control.progress, &mut self.history);
         let mut observer = |iterate: &Iterate| {
             progress(&Progress { stage, coarse, iterate, paths: &paths });
