@@ -213,8 +213,18 @@ impl<L: Ladder> Search<'_, L> {
     /// The most significant effects, and the look-alikes that explain about as much.
     fn shortlist(&self, current: &Rung, screen: &Screen) -> Vec<String> {
         let mut names: Vec<String> = Vec::new();
-        // What would not pay for itself even at twice the promise is not worth a fit.
-        let least = if current.explained(self.policy) { 0.5 * self.policy.min_fall_explained } else { 0.0 };
+        let new = |f: &&crate::Finding| f.significant && !current.effects.contains(&f.effect);
+        let least = if current.explained(self.policy) {
+            let best = screen.findings.iter().filter(new).map(|f| f.fall).fold(0.0, f64::max);
+            let alike = screen.findings.iter().filter(new).filter(|f| f.fall >= 0.5 * best).count();
+            if alike > self.policy.most_alike_explained {
+                return names;
+            }
+            // What would not pay for itself even at twice the promise is not worth a fit.
+            0.5 * self.policy.min_fall_explained
+        } else {
+            0.0
+        };
         let mut significant: Vec<_> = screen
             .findings
             .iter()

@@ -1,7 +1,7 @@
 //! Fits of a rung on the search mesh, and their correction by what the file's mesh says more.
 
 use super::{FeLadder, Fitted};
-use crate::columns::transfer;
+use crate::columns::{case_with, transfer};
 use crate::identify::{AnalysisError, frees, run_options};
 use crate::problem::FeProblem;
 use crate::{priors, start};
@@ -20,6 +20,12 @@ const TRIALS: usize = 5;
 
 /// Reduced χ² beyond which a model is far from the record.
 const FAR: f64 = 3.0;
+
+/// Shares of the screen's amplitude from which a rung's fit begins, in turn.
+const AMPLITUDES: [f64; 2] = [1.0, 0.05];
+
+/// A rung whose objective is this many times its base's has lost its way.
+const WORSE: f64 = 1.05;
 
 /// Rounds of fit and correction at most.
 const ROUNDS: usize = 2;
@@ -108,14 +114,51 @@ impl FeLadder<'_> {
         (sum / d.len().max(1) as f64).sqrt()
     }
 
+    /// Fits a rung from the screen's estimate. At its neutral value an effect leaves the base as good
+    /// as it was: a fit that ends worse, or cannot begin, starts once more from a small amplitude.
+    pub(super) fn fit_near_neutral_if_need_be(
+        &mut self,
+        key: &[String],
+        effects: &[String],
+        hints: &diagnose::Hints,
+    ) -> Result<Fitted, AnalysisError> {
+        let mut best: Result<Fitted, AnalysisError> = Err(AnalysisError::Case("no base fit".into()));
+        for share in AMPLITUDES {
+            let Some(base) = self.nearest(key) else { break };
+            let case = case_with(&self.case, &self.configs(effects, hints, base, share));
+            let model = Model::new(Arc::new(case), self.catalogue, self.how)?;
+            let theta = transfer(&base.model, &base.theta, &model);
+            let (correction, states, enough) =
+                (base.correction.clone(), self.guesses(base, &model), WORSE * base.fit.f);
+            match self.fit_rung(model, theta, correction, states) {
+                Ok(f) if f.fit.f <= enough => return Ok(f),
+                Ok(f) if best.as_ref().is_ok_and(|b| b.fit.f <= f.fit.f) => {}
+                Err(e) if (self.cancelled)() => return Err(e),
+                Err(_) if best.is_ok() => {}
+                answer => best = answer,
+            }
+        }
+        best
+    }
+
+    /// The states of a fitted rung as first guesses for another model of the same tests.
+    fn guesses(&self, of: &Fitted, model: &Model) -> Vec<Option<fem::Warm>> {
+        let one = |(t, w): (usize, &Option<fem::Warm>)| {
+            let (from, to) = (of.model.plan(t, &self.options), model.plan(t, &self.options));
+            w.as_ref().map(|w| to.guesses(&from, w))
+        };
+        of.warm.iter().enumerate().map(one).collect()
+    }
+
     /// Fits a rung; one that promises to be the answer gets its own correction.
     pub(super) fn fit_rung(
         &mut self,
         model: Model,
         theta: Vec<f64>,
         start: DVector<f64>,
+        states: Vec<Option<fem::Warm>>,
     ) -> Result<Fitted, AnalysisError> {
-        let mut fitted = self.fit_model(model, theta, TOLERANCE, start, Vec::new())?;
+        let mut fitted = self.fit_model(model, theta, TOLERANCE, start, states)?;
         let best = self.rungs.values().map(|f| f.quality.reduced_chi2_total).fold(f64::INFINITY, f64::min);
         for _ in 0..ROUNDS {
             if fitted.quality.reduced_chi2_total > PROMISING * best {

@@ -46,7 +46,7 @@ impl FeLadder<'_> {
                 }
             }
             (self.progress)(&format!("{} in another form: {}", config.name, in_words(&settings)));
-            let fitted = self.fit_rung(model, theta, f.correction.clone())?;
+            let fitted = self.fit_rung(model, theta, f.correction.clone(), Vec::new())?;
             if fitted.quality.bic + self.policy.add_bic < f.quality.bic {
                 return Ok(Some(fitted));
             }
@@ -54,12 +54,13 @@ impl FeLadder<'_> {
         Ok(None)
     }
 
-    /// Configurations of effects, started from the screen's findings.
+    /// Configurations of effects, started from a share of the screen's amplitudes.
     pub(super) fn configs(
         &self,
         effects: &[String],
         hints: &BTreeMap<String, Finding>,
         base: &Fitted,
+        share: f64,
     ) -> Vec<EffectConfig> {
         let scales = scales(&base.model, &base.theta);
         effects
@@ -74,6 +75,10 @@ impl FeLadder<'_> {
                 let mut values = effect.start(&scales);
                 if let Some(h) = hints.get(name) {
                     start_from(h, &specs, &mut values);
+                }
+                let neutral = specs.first().and_then(|s| s.neutral).unwrap_or(0.0);
+                if let Some(amplitude) = values.first_mut() {
+                    *amplitude = neutral + share * (*amplitude - neutral);
                 }
                 Some(config_of(effect, &values))
             })

@@ -8,7 +8,7 @@ mod fit;
 mod forms;
 mod held_out;
 
-use crate::columns::{Base, case_with, transfer};
+use crate::columns::Base;
 use crate::data::Measured;
 use crate::identify::{AnalysisError, coarse_case, run_options};
 use crate::problem::Cancelled;
@@ -117,15 +117,7 @@ impl diagnose::Ladder for FeLadder<'_> {
     fn fit(&mut self, effects: &[String], hints: &diagnose::Hints) -> Result<Rung, AnalysisError> {
         let key = Self::key(effects);
         if !self.rungs.contains_key(&key) {
-            let Some(base) = self.nearest(&key) else {
-                return Err(AnalysisError::Case("no base fit".into()));
-            };
-            let configs = self.configs(effects, hints, base);
-            let case = case_with(&self.case, &configs);
-            let model = Model::new(Arc::new(case), self.catalogue, self.how)?;
-            let theta = transfer(&base.model, &base.theta, &model);
-            let start = base.correction.clone();
-            let fitted = self.fit_rung(model, theta, start)?;
+            let fitted = self.fit_near_neutral_if_need_be(&key, effects, hints)?;
             let fitted = self.enrich(fitted)?;
             self.rungs.insert(key.clone(), fitted);
         }
