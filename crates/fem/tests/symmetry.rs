@@ -3,7 +3,7 @@ mod common;
 
 use common::*;
 use fem::sensitivity::{Columns, columns_for};
-use fem::{NoObserver, System, march};
+use fem::{MarchOptions, NoObserver, Problem, Run, System, Warm, march};
 use mesh::Strip;
 use std::sync::Arc;
 
@@ -85,4 +85,40 @@ fn same_bits_on_one_and_two_threads() {
         a.iter().zip(&b).filter(|(x, y)| x != y).count()
     );
     assert_eq!(a, b);
+}
+
+fn warmed(problem: &Problem, theta: &[f64], targets: &[fem::Target], warm: &Warm) -> Run {
+    let mut system = System::new(problem).unwrap();
+    let never = || false;
+    march(problem, theta, &mut system, None, targets, &mut [], &NoObserver, tight(), Some(warm), &never)
+}
+
+#[test]
+fn guesses_change_the_cost_but_not_the_answer() {
+    let strip =
+        |half_height| Strip { half_height, half_thickness: true, ..peer_strip([4, 10, 2], true, false) };
+    let (half, whole) = [true, false].map(|h| Arc::new(problem(&strip(h), Ends::Clamped, 1))).into();
+    let mut theta = Tissue::peers(1.0, 0.1).theta(1);
+    let targets = plan(ramp(0.0, 3.0, 10));
+    let seeds: Vec<usize> = (0..theta.len()).collect();
+    let mut chunks = columns_for(&half, &theta, &seeds);
+    let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c as _).collect();
+    let mut system = System::new(&half).unwrap();
+    let keep = MarchOptions { keep_states: true, keep_gradients: true, ..tight() };
+    let known =
+        march(&half, &theta, &mut system, None, &targets, &mut columns, &NoObserver, keep, None, &|| false);
+    let warm = Warm::first_order(&known, targets.len(), &theta, &seeds);
+    theta.iter_mut().for_each(|t| *t *= 1.01);
+    let cold = complete(&half, &theta, &targets, tight());
+    let plain = warmed(&half, &theta, &targets, &warm.plain());
+    let first = warmed(&half, &theta, &targets, &warm);
+    println!(
+        "iterations: cold {}, states {}, first order {}",
+        cold.iterations, plain.iterations, first.iterations
+    );
+    assert!(worst(&forces(&first), &forces(&cold)) < 1e-8);
+    assert!(first.iterations < cold.iterations);
+    // Another mesh's states are no guess, and no fault either.
+    let other = warmed(&whole, &theta, &targets, &warm);
+    assert_eq!(forces(&other), forces(&complete(&whole, &theta, &targets, tight())));
 }

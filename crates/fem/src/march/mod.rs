@@ -98,7 +98,9 @@ pub fn march(
         if m.revisit(index, target) {
             continue;
         }
-        let known = warm.and_then(|w| w.state(index, theta));
+        // States of another mesh (half the height, say) are no guess for this one.
+        let fits = |u: &Vec<f64>| u.len() == m.state.u.len();
+        let known = warm.and_then(|w| w.state(index, theta)).filter(fits);
         let guess = known.as_ref().map(|u| warm_guess(u, &differences));
         if let Err(e) = m.reach(index, target, guess) {
             m.run.failure = Some(e);
