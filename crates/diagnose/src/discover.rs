@@ -152,12 +152,13 @@ impl<L: Ladder> Search<'_, L> {
     fn best_step(&mut self, current: &Rung, screen: &Screen) -> Option<Rung> {
         let mut best = self.best_single(current, screen);
         let done = |r: &Option<Rung>, policy: &Policy| r.as_ref().is_some_and(|r| r.explained(policy));
-        if !done(&best, self.policy) && current.effects.len() + 2 <= self.policy.max_effects {
+        let open = !done(&best, self.policy) && !current.explained(self.policy);
+        if open && current.effects.len() + 2 <= self.policy.max_effects {
             let pairs = self.pair_shortlist(current, screen);
-            if let Some(pair) = self.best_of(current, pairs) {
-                if best.as_ref().is_none_or(|b| self.worth_a_second(b, &pair)) {
-                    best = Some(pair);
-                }
+            if let Some(pair) = self.best_of(current, pairs)
+                && best.as_ref().is_none_or(|b| self.worth_a_second(b, &pair))
+            {
+                best = Some(pair);
             }
         }
         if !done(&best, self.policy) && !current.explained(self.policy) {
