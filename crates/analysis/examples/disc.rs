@@ -30,7 +30,7 @@ fn main() {
                     d.found,
                     d.groups,
                     t.elapsed().as_secs_f64(),
-                    l.runs
+                    l.runs()
                 );
                 for r in &d.ladder {
                     println!(

@@ -1,4 +1,5 @@
-//! Cost of runs of a case: `cargo run --release -p analysis --example runs -- FILE`.
+//! Cost of runs of a case: `cargo run --release -p analysis --example runs -- FILE`; with `SEARCH=1` on the mesh
+//! and with the steps of a search.
 use inverse::Problem as _;
 use std::sync::Arc;
 use std::time::Instant;
@@ -6,9 +7,15 @@ fn main() {
     let cat = effects::catalogue();
     for path in std::env::args().skip(1) {
         let case = input::read_case(std::path::Path::new(&path), &cat).unwrap_or_else(|e| panic!("{e}"));
-        for coarsen in [1.0] {
+        let search = std::env::var("SEARCH").is_ok();
+        {
+            let coarsen = if search { 2.0 } else { 1.0 };
             let how = model::Discretisation { coarsen, ..model::Discretisation::default() };
-            let options = analysis::run_options(&case);
+            let mut options = analysis::run_options(&case);
+            if search {
+                (options.tearing_steps, options.uniaxial_steps) = (30, 14);
+                options.march.newton.tolerance = 1e-7;
+            }
             let m = model::Model::new(Arc::new(case.clone()), &cat, how).unwrap();
             let wanted: Vec<bool> = m.tests.iter().map(|t| t.test.record.is_some()).collect();
             let measured = analysis::Measured::of(&m, &wanted).unwrap();

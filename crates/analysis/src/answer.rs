@@ -237,7 +237,7 @@ fn answer(ladder: &FeLadder, screen: &Screen, start: Instant, policy: &Policy) -
         words: Vec::new(),
         place: compare::places(ladder),
         next_test: None,
-        forward_runs: ladder.runs,
+        forward_runs: ladder.runs(),
         seconds: start.elapsed().as_secs_f64(),
     }
 }

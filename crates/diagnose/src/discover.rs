@@ -10,6 +10,7 @@ struct Search<'a, L: Ladder> {
     ladder: &'a mut L,
     policy: &'a Policy,
     known: BTreeMap<BTreeSet<String>, Option<Rung>>,
+    screens: BTreeMap<BTreeSet<String>, Screen>,
     tried: Vec<Rung>,
     failed: Vec<(Vec<String>, String)>,
     hints: Hints,
@@ -29,8 +30,9 @@ pub fn discover<L: Ladder>(
     let base = ladder.fit(&[], &hints)?;
     let mut first = ladder.screen(&base)?;
     let known = BTreeMap::from([(BTreeSet::new(), Some(base.clone()))]);
-    let mut search =
-        Search { ladder, policy, known, tried: vec![base.clone()], failed: Vec::new(), hints, progress };
+    let screens = BTreeMap::from([(BTreeSet::new(), first.clone())]);
+    let (tried, failed) = (vec![base.clone()], Vec::new());
+    let mut search = Search { ladder, policy, known, screens, tried, failed, hints, progress };
     let (rungs, last_screen) = search.climb(base, &first);
     let interrupted = search.ladder.interrupted();
     let last = rungs.last().cloned();
@@ -80,7 +82,7 @@ impl<L: Ladder> Search<'_, L> {
             ));
             current = next;
             rungs.push(current.clone());
-            match self.ladder.screen(&current) {
+            match self.screen(&current) {
                 Ok(s) => screen = s,
                 Err(e) => {
                     self.failed.push((current.effects.clone(), format!("screen: {e}")));
@@ -113,13 +115,32 @@ impl<L: Ladder> Search<'_, L> {
 
     /// Fits a set once; `None` where that is impossible.
     fn fit(&mut self, effects: &[String]) -> Option<Rung> {
-        if let Some(known) = self.known.get(&key(effects)) {
-            return known.clone();
+        self.fit_all(&[effects.to_vec()]);
+        self.known.get(&key(effects)).cloned().flatten()
+    }
+
+    /// Fits those sets that are not known yet, side by side.
+    fn fit_all(&mut self, sets: &[Vec<String>]) {
+        let mut new: Vec<Vec<String>> = Vec::new();
+        for set in sets {
+            let known = self.known.contains_key(&key(set)) || new.iter().any(|n| key(n) == key(set));
+            if !known && self.ladder.compatible(set) {
+                new.push(set.clone());
+            }
         }
-        if self.ladder.interrupted() || !self.ladder.compatible(effects) {
-            return None;
+        if new.is_empty() || self.ladder.interrupted() {
+            return;
         }
-        let answer = match self.ladder.fit(effects, &self.hints) {
+        let answers = self.ladder.fit_all(&new, &self.hints);
+        for (effects, answer) in new.into_iter().zip(answers) {
+            let answer = self.told(&effects, answer);
+            self.known.insert(key(&effects), answer);
+        }
+    }
+
+    /// Says how a fit went and keeps it for the record.
+    fn told(&mut self, effects: &[String], answer: Result<Rung, L::Error>) -> Option<Rung> {
+        match answer {
             Ok(rung) => {
                 (self.progress)(&format!(
                     "With {}: χ² {:.2}, BIC {:.0}.",
@@ -135,9 +156,17 @@ impl<L: Ladder> Search<'_, L> {
                 self.failed.push((effects.to_vec(), e.to_string()));
                 None
             }
-        };
-        self.known.insert(key(effects), answer.clone());
-        answer
+        }
+    }
+
+    /// Screens at a rung once.
+    fn screen(&mut self, rung: &Rung) -> Result<Screen, L::Error> {
+        if let Some(known) = self.screens.get(&key(&rung.effects)) {
+            return Ok(known.clone());
+        }
+        let screen = self.ladder.screen(rung)?;
+        self.screens.insert(key(&rung.effects), screen.clone());
+        Ok(screen)
     }
 
     /// Whether a pair is better than one effect by enough for two names: on a record that stays
@@ -162,12 +191,9 @@ impl<L: Ladder> Search<'_, L> {
             }
         }
         if !done(&best, self.policy) && !current.explained(self.policy) {
-            let untold: Vec<Vec<String>> = screen
-                .findings
-                .iter()
-                .filter(|f| f.refit_only && !current.effects.contains(&f.effect))
-                .map(|f| vec![f.effect.clone()])
-                .collect();
+            let untold =
+                screen.findings.iter().filter(|f| f.refit_only && !current.effects.contains(&f.effect));
+            let untold = singles(untold.map(|f| f.effect.clone()).collect());
             if let Some(other) = self.best_of(current, untold)
                 && best.as_ref().is_none_or(|b| other.bic < b.bic)
             {
@@ -178,37 +204,41 @@ impl<L: Ladder> Search<'_, L> {
     }
 
     /// The best of the shortlist. Once one explains the record, only those are fitted that promised about
-    /// as much: the others could not have taken its place.
+    /// as much: the others could not have taken its place. So those that promise about as much as the best
+    /// are fitted together, then the next lot.
     fn best_single(&mut self, current: &Rung, screen: &Screen) -> Option<Rung> {
-        let promise = |e: &str| screen.finding(e).map_or(0.0, |f| f.fall);
+        let promise = |e: &String| screen.finding(e).map_or(0.0, |f| f.fall);
+        let about_as_much = |most: f64| 0.8 * most;
+        let mut left = self.shortlist(current, screen);
         let (mut best, mut enough): (Option<Rung>, f64) = (None, 0.0);
-        for name in self.shortlist(current, screen) {
-            if promise(&name) < enough {
-                continue;
+        while !left.is_empty() {
+            let most = left.iter().map(promise).fold(0.0, f64::max);
+            if most < enough {
+                break;
             }
-            let rung = self.best_of(current, vec![vec![name.clone()]]);
-            if rung.as_ref().is_some_and(|r| r.explained(self.policy)) {
-                enough = f64::max(enough, 0.8 * promise(&name));
-            }
-            if let Some(r) = rung
-                && best.as_ref().is_none_or(|b| r.bic < b.bic)
-            {
-                best = Some(r);
+            let (lot, rest) = left.into_iter().partition(|e| promise(e) >= about_as_much(most));
+            left = rest;
+            for rung in self.those_that_pay(current, &singles(lot)) {
+                if let ([.., name], true) = (rung.effects.as_slice(), rung.explained(self.policy)) {
+                    enough = f64::max(enough, about_as_much(promise(name)));
+                }
+                best = Some(better(best, rung));
             }
         }
         best
     }
 
     fn best_of(&mut self, current: &Rung, additions: Vec<Vec<String>>) -> Option<Rung> {
-        let mut best: Option<Rung> = None;
-        for add in additions {
-            let set: Vec<String> = current.effects.iter().cloned().chain(add).collect();
-            let Some(rung) = self.fit(&set) else { continue };
-            if pays(current, &rung, self.policy) && best.as_ref().is_none_or(|b| rung.bic < b.bic) {
-                best = Some(rung);
-            }
-        }
-        best
+        self.those_that_pay(current, &additions).into_iter().fold(None, |best, rung| Some(better(best, rung)))
+    }
+
+    /// Fits the current model with each of the additions; those that pay for themselves.
+    fn those_that_pay(&mut self, current: &Rung, additions: &[Vec<String>]) -> Vec<Rung> {
+        let with = |add: &Vec<String>| current.effects.iter().chain(add).cloned().collect();
+        let sets: Vec<Vec<String>> = additions.iter().map(with).collect();
+        self.fit_all(&sets);
+        let known = sets.iter().filter_map(|set| self.known.get(&key(set)).cloned().flatten());
+        known.filter(|rung| pays(current, rung, self.policy)).collect()
     }
 
     /// The most significant effects, and the look-alikes that explain about as much.
@@ -263,15 +293,14 @@ impl<L: Ladder> Search<'_, L> {
     /// Takes away every effect without which BIC is hardly worse, the least useful first.
     fn prune(&mut self, mut rung: Rung) -> Rung {
         while rung.effects.len() > 1 {
-            let mut best: Option<Rung> = None;
-            for e in rung.effects.clone() {
-                let rest: Vec<String> = rung.effects.iter().filter(|x| **x != e).cloned().collect();
-                let Some(without) = self.fit(&rest) else { continue };
-                let useless = without.bic - rung.bic < self.policy.drop_bic;
-                if useless && best.as_ref().is_none_or(|b| without.bic < b.bic) {
-                    best = Some(without);
-                }
-            }
+            let without = |e: &String| rung.effects.iter().filter(|x| *x != e).cloned().collect();
+            let sets: Vec<Vec<String>> = rung.effects.iter().map(without).collect();
+            self.fit_all(&sets);
+            let best = sets
+                .iter()
+                .filter_map(|set| self.known.get(&key(set)).cloned().flatten())
+                .filter(|smaller| smaller.bic - rung.bic < self.policy.drop_bic)
+                .fold(None, |best, smaller| Some(better(best, smaller)));
             match best {
                 Some(b) => {
                     (self.progress)(&format!("{} is enough.", listed(&b.effects)));
@@ -295,7 +324,7 @@ impl<L: Ladder> Search<'_, L> {
         if self.ladder.interrupted() {
             return group;
         }
-        let Ok(screen) = self.ladder.screen(&without) else { return group };
+        let Ok(screen) = self.screen(&without) else { return group };
         self.remember(&screen);
         let own = screen.finding(effect).map_or(0.0, |f| f.fall);
         let alike = screen.finding(effect).map_or(Vec::new(), |f| f.look_alikes.clone());
@@ -311,10 +340,11 @@ impl<L: Ladder> Search<'_, L> {
             .collect();
         rivals.sort_by(|a, b| b.fall.total_cmp(&a.fall).then(a.effect.cmp(&b.effect)));
         let names: Vec<String> = rivals.into_iter().take(6).map(|f| f.effect.clone()).collect();
-        for name in names {
-            let mut set = rest.clone();
-            set.push(name.clone());
-            let Some(rung) = self.fit(&set) else { continue };
+        let with = |name: &String| rest.iter().chain([name]).cloned().collect();
+        let sets: Vec<Vec<String>> = names.iter().map(with).collect();
+        self.fit_all(&sets);
+        for (name, set) in names.into_iter().zip(sets) {
+            let Some(rung) = self.known.get(&key(&set)).cloned().flatten() else { continue };
             let as_good = rung.bic <= last.bic + self.policy.tie_bic;
             if as_good && (rung.explained(self.policy) || !last.explained(self.policy)) {
                 group.push(name);
@@ -322,6 +352,18 @@ impl<L: Ladder> Search<'_, L> {
         }
         group
     }
+}
+
+/// The one with the smaller BIC; the first where they are equal.
+fn better(best: Option<Rung>, rung: Rung) -> Rung {
+    match best {
+        Some(b) if b.bic <= rung.bic => b,
+        _ => rung,
+    }
+}
+
+fn singles(names: Vec<String>) -> Vec<Vec<String>> {
+    names.into_iter().map(|n| vec![n]).collect()
 }
 
 fn key(effects: &[String]) -> BTreeSet<String> {

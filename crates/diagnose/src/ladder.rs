@@ -118,6 +118,12 @@ pub trait Ladder {
     /// When the model cannot be fitted; the search then goes on without this set.
     fn fit(&mut self, effects: &[String], hints: &Hints) -> Result<Rung, Self::Error>;
 
+    /// Fits several sets, none of which is a start for another; side by side where the model can. The answers
+    /// stand in the order of `sets`.
+    fn fit_all(&mut self, sets: &[Vec<String>], hints: &Hints) -> Vec<Result<Rung, Self::Error>> {
+        sets.iter().map(|effects| self.fit(effects, hints)).collect()
+    }
+
     /// Screens the catalogue at a fitted model; effects already in it are ignored.
     ///
     /// # Errors

@@ -45,6 +45,14 @@ fn the_tutorial_works_as_written() -> Tested {
     assert_eq!(base["explained"], false);
     let diagnosis = read(&here.join("runs/base/diagnosis.json"))?;
     assert_eq!(diagnosis["screen"][0]["effect"], "viscoelastic");
+    // `add` begins where that screen says, and quotes it.
+    let added = fs::read_to_string(here.join("runs/more.toml"))?;
+    for key in ["g", "tau_s"] {
+        let estimate = diagnosis["screen"][0]["estimate"][key].as_f64().ok_or("estimate")?;
+        assert!(added.contains(&format!("{key} = {estimate}")), "{key} = {estimate} in\n{added}");
+    }
+    let sentence = diagnosis["screen"][0]["sentence"].as_str().ok_or("sentence")?;
+    assert!(added.contains(&sentence[..40]), "{sentence} in\n{added}");
     let mut worst = (0..2).filter_map(|i| diagnosis["where"][i]["segment"].as_str());
     assert!(worst.any(|s| s.starts_with("hold")), "{}", diagnosis["where"]);
     let search = read(&here.join("runs/search/summary.json"))?;

@@ -116,6 +116,17 @@ impl Walk {
     }
 }
 
+/// Forward component of the path's tangent below which a limit point is close: the tear opens five times as
+/// fast as the actuator moves.
+const STEEP: f64 = 0.2;
+
+/// Whether the path at the last state is about to turn: cutting the step further would only find out slowly.
+pub(crate) fn limit_ahead(m: &mut March, travel: f64, length: f64) -> bool {
+    m.problem.path.is_some()
+        && travel != 0.0
+        && Walk::start(m, travel.signum(), length, 1.0).is_ok_and(|walk| walk.tangent[0].abs() < STEEP)
+}
+
 /// `control = "path"`: follows the path until the actuator first reaches `to`, every step reported,
 /// then stands exactly there.
 pub(crate) fn follow(m: &mut March, to: f64, dt: f64, target: usize) -> Result<(), FemError> {

@@ -135,7 +135,7 @@ fn answer(truth: Truth, ladder: &FeLadder, d: &Discovery, policy: &Policy) -> Ou
         ladder: d.ladder.iter().map(step).collect(),
         tried: d.tried.iter().map(step).collect(),
         failed: d.failed.clone(),
-        forward_runs: ladder.runs,
+        forward_runs: ladder.runs(),
         ..empty(truth, End::Answered)
     }
 }

@@ -11,6 +11,7 @@ use model::{Discretisation, Model};
 use nalgebra::DVector;
 use std::ops::ControlFlow;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 /// Relative fall of χ² that is worth another step of the search.
 const TOLERANCE: f64 = 3e-3;
@@ -78,7 +79,7 @@ impl FeLadder<'_> {
 
     /// What the file's mesh says more than the search mesh, at a fit; `None` where it cannot be
     /// computed.
-    fn correction_of(&mut self, f: &Fitted) -> Result<Option<DVector<f64>>, AnalysisError> {
+    fn correction_of(&self, f: &Fitted) -> Result<Option<DVector<f64>>, AnalysisError> {
         let added: Vec<EffectConfig> = f.model.case.effects.clone();
         let mut case = (*self.fine_case).clone();
         case.effects = added;
@@ -91,7 +92,7 @@ impl FeLadder<'_> {
         options.march.newton.tolerance = self.options.march.newton.tolerance;
         let slots = &self.measured.slots;
         let problem = FeProblem::new(&fine, theta, Vec::new(), slots, options, self.cancelled);
-        self.runs += 1;
+        self.runs.fetch_add(1, Ordering::Relaxed);
         (self.progress)("numerical error: one run on the file's mesh");
         match problem.predict(&[], false) {
             Ok(p) => Ok(Some(&p.values - (&f.fit.prediction.values - &f.correction))),
@@ -117,7 +118,7 @@ impl FeLadder<'_> {
     /// Fits a rung from the screen's estimate. At its neutral value an effect leaves the base as good
     /// as it was: a fit that ends worse, or cannot begin, starts once more from a small amplitude.
     pub(super) fn fit_near_neutral_if_need_be(
-        &mut self,
+        &self,
         key: &[String],
         effects: &[String],
         hints: &diagnose::Hints,
@@ -152,7 +153,7 @@ impl FeLadder<'_> {
 
     /// Fits a rung; one that promises to be the answer gets its own correction.
     pub(super) fn fit_rung(
-        &mut self,
+        &self,
         model: Model,
         theta: Vec<f64>,
         start: DVector<f64>,
@@ -176,7 +177,7 @@ impl FeLadder<'_> {
 
     /// Fits a model from θ on all data (joint, whitened, with priors).
     fn fit_model(
-        &mut self,
+        &self,
         model: Model,
         theta: Vec<f64>,
         tolerance: f64,
@@ -221,7 +222,7 @@ impl FeLadder<'_> {
                 let hopeless = i.iteration >= PATIENCE && i.f.is_some_and(|f| f > HOPELESS * best);
                 if hopeless { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             })?;
-            self.runs += problem.runs();
+            self.runs.fetch_add(problem.runs(), Ordering::Relaxed);
             (fit, problem.warm())
         };
         let mut all = theta;

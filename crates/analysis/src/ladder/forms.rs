@@ -12,7 +12,7 @@ use std::sync::Arc;
 impl FeLadder<'_> {
     /// The same effects with one of them in another form, where the fit helps but leaves structure,
     /// as long as a form pays for its parameters.
-    pub(super) fn enrich(&mut self, mut f: Fitted) -> Result<Fitted, AnalysisError> {
+    pub(super) fn enrich(&self, mut f: Fitted) -> Result<Fitted, AnalysisError> {
         let best = self.rungs.values().map(|r| r.quality.reduced_chi2_total).fold(f64::INFINITY, f64::min);
         if f.quality.reduced_chi2_total > best {
             return Ok(f);
@@ -26,7 +26,7 @@ impl FeLadder<'_> {
     }
 
     /// The first other form of one effect that pays, if the record is not explained yet.
-    fn better_form(&mut self, f: &Fitted, at: usize) -> Result<Option<Fitted>, AnalysisError> {
+    fn better_form(&self, f: &Fitted, at: usize) -> Result<Option<Fitted>, AnalysisError> {
         if self.rung(&f.model.effects(), f).explained(&self.policy) {
             return Ok(None);
         }

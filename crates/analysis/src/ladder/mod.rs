@@ -17,8 +17,10 @@ use input::Case;
 use inverse::{Data, Fit, Free, Noise, Quality, Whitened};
 use model::{Catalogue, Discretisation, Model, RunOptions};
 use nalgebra::DVector;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// How much coarser than the file's mesh the search works.
 const COARSEN: f64 = 2.0;
@@ -65,8 +67,7 @@ pub struct FeLadder<'a> {
     pub rungs: BTreeMap<Vec<String>, Fitted>,
     /// Candidates of the latest screen, with raw columns.
     pub candidates: Vec<Candidate>,
-    /// Forward runs so far.
-    pub runs: usize,
+    runs: AtomicUsize,
     policy: Policy,
     progress: &'a (dyn Fn(&str) + Sync),
 }
@@ -102,7 +103,7 @@ impl<'a> FeLadder<'a> {
             measured,
             rungs: BTreeMap::new(),
             candidates: Vec::new(),
-            runs: 0,
+            runs: AtomicUsize::new(0),
             policy,
             progress,
         };
@@ -115,22 +116,38 @@ impl diagnose::Ladder for FeLadder<'_> {
     type Error = AnalysisError;
 
     fn fit(&mut self, effects: &[String], hints: &diagnose::Hints) -> Result<Rung, AnalysisError> {
-        let key = Self::key(effects);
-        if !self.rungs.contains_key(&key) {
-            let fitted = self.fit_near_neutral_if_need_be(&key, effects, hints)?;
-            let fitted = self.enrich(fitted)?;
-            self.rungs.insert(key.clone(), fitted);
-        }
-        let fitted = &self.rungs[&key];
-        let rung = self.rung(effects, fitted);
-        (self.progress)(&format!(
-            "[{}] reduced χ² {:.2} (with numerical error {:.2}), BIC {:.1}",
-            effects.join(" + "),
-            rung.reduced_chi2,
-            rung.reduced_chi2_total(),
-            rung.bic
-        ));
-        Ok(rung)
+        self.fit_all(&[effects.to_vec()], hints).swap_remove(0)
+    }
+
+    /// Side by side: every fit sees the rungs that were there before the call, so that the answer does not
+    /// depend on which ends first.
+    fn fit_all(&mut self, sets: &[Vec<String>], hints: &diagnose::Hints) -> Vec<Result<Rung, AnalysisError>> {
+        let this = &*self;
+        let one = |effects: &Vec<String>| {
+            let key = Self::key(effects);
+            if this.rungs.contains_key(&key) {
+                return Ok(None);
+            }
+            let fitted = this.fit_near_neutral_if_need_be(&key, effects, hints)?;
+            this.enrich(fitted).map(Some)
+        };
+        let fitted: Vec<Result<Option<Fitted>, AnalysisError>> = sets.par_iter().map(one).collect();
+        let keep = |(effects, fitted): (&Vec<String>, Result<Option<Fitted>, AnalysisError>)| {
+            let key = Self::key(effects);
+            if let Some(f) = fitted? {
+                self.rungs.insert(key.clone(), f);
+            }
+            let rung = self.rung(effects, &self.rungs[&key]);
+            (self.progress)(&format!(
+                "[{}] reduced χ² {:.2} (with numerical error {:.2}), BIC {:.1}",
+                effects.join(" + "),
+                rung.reduced_chi2,
+                rung.reduced_chi2_total(),
+                rung.bic
+            ));
+            Ok(rung)
+        };
+        sets.iter().zip(fitted).map(keep).collect()
     }
 
     fn screen(&mut self, rung: &Rung) -> Result<Screen, AnalysisError> {
@@ -151,7 +168,7 @@ impl diagnose::Ladder for FeLadder<'_> {
         };
         (self.progress)(&format!("screen at [{}]", rung.effects.join(" + ")));
         let screened = base.screen()?;
-        self.runs += 1 + screened.secant_runs;
+        self.runs.fetch_add(1 + screened.secant_runs, Ordering::Relaxed);
         let mut prediction = screened.prediction;
         prediction.values += &f.correction;
         let white = Whitened::new(&self.measured.data, &f.frees, &f.fit.theta, &prediction, Noise::Total);
@@ -174,6 +191,11 @@ impl diagnose::Ladder for FeLadder<'_> {
 }
 
 impl FeLadder<'_> {
+    /// Forward runs so far.
+    pub fn runs(&self) -> usize {
+        self.runs.load(Ordering::Relaxed)
+    }
+
     /// The fitted rung with the most of these effects: the start of a new fit.
     fn nearest(&self, key: &[String]) -> Option<&Fitted> {
         self.rungs

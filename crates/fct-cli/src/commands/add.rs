@@ -7,7 +7,7 @@ use crate::session::Session;
 use ::report::answer::SCHEMA;
 use input::edit::add_effect;
 use model::Options;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `fct add`.
@@ -21,11 +21,15 @@ pub struct Arguments {
     pub file: PathBuf,
 }
 
+/// Files of a run that can hold a screen: `diagnose` and `discover` write the first, `discover` the second too.
+const SCREENED: [&str; 2] = ["diagnosis.json", "summary.json"];
+
 /// What the screen of a run found out about an effect: start values and the reason.
-fn finding(run: &Path, effect: &str) -> Option<serde_json::Value> {
-    let text = std::fs::read_to_string(run.join("summary.json")).ok()?;
-    let summary: serde_json::Value = serde_json::from_str(&text).ok()?;
-    summary["screen"].as_array()?.iter().find(|f| f["effect"] == effect).cloned()
+fn finding(run: &Path, effect: &str) -> Option<Value> {
+    SCREENED.iter().find_map(|file| {
+        let answer: Value = serde_json::from_str(&std::fs::read_to_string(run.join(file)).ok()?).ok()?;
+        answer["screen"].as_array()?.iter().find(|f| f["effect"] == effect).cloned()
+    })
 }
 
 /// Writes the config with the effect, started from the run's screen where there is one; comments and order kept.

@@ -23,6 +23,9 @@ use visits::Visit;
 /// Share of a planned step below which Newton gets more iterations instead of shorter steps alone.
 const STUBBORN: f64 = 0.2;
 
+/// Share of a planned step from which a failed one may be the sign of a limit point.
+const LOOK: f64 = 0.25;
+
 /// A run in progress.
 pub(crate) struct March<'a> {
     pub problem: &'a Problem,
@@ -158,7 +161,8 @@ impl March<'_> {
                 Err(e @ FemError::Setup(_)) => return Err(e),
                 Err(e) => {
                     share *= 0.5;
-                    if share < self.options.min_step_fraction || travel == 0.0 {
+                    let limit = share <= LOOK && path::limit_ahead(self, travel, share * travel.abs());
+                    if limit || share < self.options.min_step_fraction || travel == 0.0 {
                         if self.problem.path.is_none() || travel == 0.0 {
                             return Err(blame(e, self.state.actuator, share * travel.abs()));
                         }
