@@ -49,12 +49,12 @@ fn main() {
                     let unk = r.run.last.as_ref().map_or(0, |s| s.u.len());
                     let fresh = r.run.steps.iter().filter(|s| !s.revisited).count();
                     print!(
-                        " | dofs {unk} targets {} steps {} fresh {fresh} its {} jumps {} fail {}",
+                        " | dofs {unk} targets {} steps {} fresh {fresh} its {} jumps {} fail {:?}",
                         r.plan.targets.len(),
                         r.run.steps.len(),
                         r.run.iterations,
                         r.run.jumps.len(),
-                        r.run.failure.is_some()
+                        r.run.failure
                     );
                 }
                 println!();

@@ -1,5 +1,4 @@
 //! The loop on a specimen: identify, compare, diagnose, add, discover.
-#![warn(missing_docs)]
 
 mod answer;
 mod columns;

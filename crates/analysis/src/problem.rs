@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Asked between steps: whether the user wants to stop.
 pub type Cancelled<'a> = &'a (dyn Fn() -> bool + Sync);
 
-/// Runs kept per test as first guesses.
+/// Runs kept per test as first guesses: an accepted point with its derivatives, and a trial.
 const KEPT: usize = 2;
 
 /// A model with some free parameters, compared with some blocks.
@@ -89,7 +89,8 @@ impl<'a> FeProblem<'a> {
             if let Some(r) = run.as_ref().filter(|r| r.run.failure.is_none()) {
                 slot.push(Warm::first_order(&r.run, r.plan.targets.len(), theta, seeds));
                 if slot.len() > KEPT {
-                    slot.remove(0);
+                    let only = slot.iter().filter(|w| w.has_derivatives()).count() == 1;
+                    slot.remove(usize::from(only && slot[0].has_derivatives()));
                 }
             }
         }

@@ -9,7 +9,6 @@
 //! `Jet<3>`) and exact derivatives with respect to parameters and through history (`Jet<8>`).
 //! [`PointLaw`] is the object-safe closed list of those scalars, so that laws can be composed at
 //! run time, from a file.
-#![warn(missing_docs)]
 
 mod jet;
 mod law;

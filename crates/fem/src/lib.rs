@@ -6,7 +6,6 @@
 //! and displacements to every parameter by direct differentiation ([`sensitivity`]).
 //!
 //! The crate sees laws only as [`constitutive::PointLaw`] objects: it knows no material.
-#![warn(missing_docs)]
 // Index loops over small fixed arrays vectorise, and read like the formulas they implement.
 #![allow(clippy::needless_range_loop)]
 

@@ -160,8 +160,12 @@ pub(crate) fn follow(m: &mut March, to: f64, dt: f64, target: usize) -> Result<(
 
 /// A jump at a limit point: follows the path from the last state until it comes back to the same
 /// actuator displacement, drops the steps between, and records what was set free.
-pub(crate) fn jump(m: &mut March, direction: f64, length: f64, dt: f64) -> Result<(), FemError> {
+///
+/// Where the branch goes on without one, it ends on the way to the actuator displacement `to`.
+pub(crate) fn jump(m: &mut March, to: f64, length: f64, dt: f64) -> Result<(), FemError> {
     let before = m.state.clone();
+    let direction = (to - before.actuator).signum();
+    let enough = (4.0 * length).min(0.4 * (to - before.actuator).abs());
     let first = m.run.steps.len();
     let kept_recent = m.run.states.len();
     let rate = length / dt.max(1e-9);
@@ -185,6 +189,10 @@ pub(crate) fn jump(m: &mut March, direction: f64, length: f64, dt: f64) -> Resul
             }
             walk.length = (0.5 * walk.length).max(walk.smallest);
         }
+        if !turned && forward > 0.0 {
+            // A limit point beyond the target is none of this step's: never past it.
+            walk.length = walk.length.min(0.5 * (to - u0) * direction / forward);
+        }
         walk.step(m, None)?;
         released += 0.5 * (f0 + m.state.force) * (u0 - m.state.actuator);
         if (m.state.actuator - farthest) * direction >= 0.0 && !turned {
@@ -205,7 +213,7 @@ pub(crate) fn jump(m: &mut March, direction: f64, length: f64, dt: f64) -> Resul
         }
         // The limit point was only a cut-off step away: the branch goes on without a jump.
         if !turned
-            && (m.state.actuator - before.actuator) * direction > 4.0 * length
+            && (m.state.actuator - before.actuator) * direction > enough
             && m.system.factor.negative_pivots() == 0
         {
             return Ok(());

@@ -31,14 +31,19 @@ impl Warm {
         Self { at_target, first_order: None }
     }
 
-    /// The states with their derivatives by `seeds`, of a run at `theta` that kept both.
+    /// The states with their derivatives by `seeds` (none: the states alone), of a run at `theta` that kept both.
     pub fn first_order(run: &Run, targets: usize, theta: &[f64], seeds: &[usize]) -> Self {
         let gradients = FirstOrder {
             theta: theta.to_vec(),
             seeds: seeds.to_vec(),
-            at_target: pick(run, &run.gradients, targets),
+            at_target: if seeds.is_empty() { Vec::new() } else { pick(run, &run.gradients, targets) },
         };
-        Self { first_order: (!seeds.is_empty()).then_some(gradients), ..Self::of(run, targets) }
+        Self { first_order: Some(gradients), ..Self::of(run, targets) }
+    }
+
+    /// Whether the states move with the parameters.
+    pub fn has_derivatives(&self) -> bool {
+        self.first_order.as_ref().is_some_and(|f| !f.seeds.is_empty())
     }
 
     /// The states alone: little to keep.
@@ -46,12 +51,14 @@ impl Warm {
         Self { at_target: self.at_target.clone(), first_order: None }
     }
 
-    /// How far the run's parameters were from these: root of the sum of squared relative changes;
-    /// infinite where the derivatives do not cover the change.
+    /// How far the run's states are from those at these parameters: the root of the sum of squared relative
+    /// changes, and where the states do not move with them, the root of that; infinite where the run's
+    /// parameters are not known.
     pub fn distance(&self, theta: &[f64]) -> f64 {
         let Some(f) = &self.first_order else { return f64::INFINITY };
         let relative = |(a, b): (&f64, &f64)| if a == b { 0.0 } else { (a - b) / a.abs().max(b.abs()) };
-        f.theta.iter().zip(theta).map(relative).map(|d| d * d).sum::<f64>().sqrt()
+        let change = f.theta.iter().zip(theta).map(relative).map(|d| d * d).sum::<f64>().sqrt();
+        if f.seeds.is_empty() { change.sqrt() } else { change }
     }
 
     /// The state at a target, moved to the parameters `theta`.

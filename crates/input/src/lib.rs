@@ -29,7 +29,6 @@
 //! assert!(faults.contains("strip.toml:2:1: error: unknown key `mu_kpa` in [bulk]; did you mean `mu_kPa`?"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-#![warn(missing_docs)]
 
 mod case;
 mod config;

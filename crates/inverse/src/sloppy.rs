@@ -10,6 +10,9 @@ use params::Transform;
 /// Components below this share of the largest are not named.
 const NAMED: f64 = 0.3;
 
+/// Parameters named in one sentence.
+const MOST_NAMED: usize = 3;
+
 impl Uncertainty {
     /// Which columns of `directions` the record does not fix, stiffest first.
     pub fn sloppy_columns(&self) -> Vec<usize> {
@@ -40,6 +43,15 @@ impl Uncertainty {
             .collect();
         if let [only] = moves.as_slice() {
             return format!("The record hardly fixes {}: {only} raises χ² by only 1.", self.free[first].path);
+        }
+        if leading.len() > MOST_NAMED {
+            return format!(
+                "The record hardly fixes {} parameters against each other: {} and {} smaller changes together \
+                 raise χ² by only 1.",
+                leading.len(),
+                moves[..MOST_NAMED].join(", "),
+                leading.len() - MOST_NAMED
+            );
         }
         let combination = combination(&leading, |k| (self.free[k].path.as_str(), sign * v[k]));
         let kept = self.kept_pair(&leading, &v.into_owned());

@@ -4,7 +4,6 @@
 //! problem per test with one common parameter vector; [`Model::run`] runs the tests (bulk history
 //! carries over within a piece of tissue), [`Model::series`] gives the channels at the rows of a
 //! record with their derivatives; [`effect`] is what an effect implements.
-#![warn(missing_docs)]
 
 mod build;
 pub mod camera;

@@ -2,7 +2,6 @@
 //!
 //! The whole workspace computes in **mm, s, N, MPa, rad**; files carry the unit in the key
 //! (`mu_kPa = 5.1`). [`Quantity`] knows the internal unit and every key suffix that is accepted.
-#![warn(missing_docs)]
 
 mod quantity;
 mod spec;

@@ -3,7 +3,6 @@
 //! A run directory is written beside its place and moved there whole ([`RunDir`]); answers are plain
 //! structures that serialise to the JSON of the contract ([`answer`]); everything that is shown
 //! (terminal, HTML, figures) is made from those answers, so that a stored run shows the same.
-#![warn(missing_docs)]
 
 pub mod answer;
 mod curves;

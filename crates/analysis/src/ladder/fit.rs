@@ -14,7 +14,13 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 /// Relative fall of χ² that is worth another step of the search.
-const TOLERANCE: f64 = 3e-3;
+pub(super) const TOLERANCE: f64 = 3e-3;
+
+/// The same while the model is far from the record: what is left then is not for its parameters to explain.
+const COARSE_TOLERANCE: f64 = 2e-2;
+
+/// Reduced χ² from which a model counts as far from the record.
+const UNEXPLAINED: f64 = 1.5;
 
 /// Trials of one step before the search is content.
 const TRIALS: usize = 5;
@@ -152,17 +158,22 @@ impl FeLadder<'_> {
     }
 
     /// Fits a rung; one that promises to be the answer gets its own correction.
-    pub(super) fn fit_rung(
+    fn fit_rung(
         &self,
         model: Model,
         theta: Vec<f64>,
         start: DVector<f64>,
         states: Vec<Option<fem::Warm>>,
     ) -> Result<Fitted, AnalysisError> {
-        let mut fitted = self.fit_model(model, theta, TOLERANCE, start, states)?;
+        self.corrected(self.fit_model(model, theta, TOLERANCE, start, states)?)
+    }
+
+    /// A fit with a correction of its own, where it promises to be the answer.
+    pub(super) fn corrected(&self, mut fitted: Fitted) -> Result<Fitted, AnalysisError> {
         let best = self.rungs.values().map(|f| f.quality.reduced_chi2_total).fold(f64::INFINITY, f64::min);
-        for _ in 0..ROUNDS {
-            if fitted.quality.reduced_chi2_total > PROMISING * best {
+        for round in 0..ROUNDS {
+            let chi2 = fitted.quality.reduced_chi2_total;
+            if chi2 > PROMISING * best || round > 0 && chi2 > UNEXPLAINED {
                 break;
             }
             let Some(correction) = self.correction_of(&fitted)? else { break };
@@ -176,7 +187,7 @@ impl FeLadder<'_> {
     }
 
     /// Fits a model from θ on all data (joint, whitened, with priors).
-    fn fit_model(
+    pub(super) fn fit_model(
         &self,
         model: Model,
         theta: Vec<f64>,
@@ -205,12 +216,16 @@ impl FeLadder<'_> {
                 max_iterations: 12,
                 max_trials: TRIALS,
                 initial_damping: 1e-2,
+                // A rejected trial needs none, and derivatives cost as much as a run.
+                jacobian_with_trial: false,
                 max_step: 0.7,
                 ..FitOptions::default()
             };
             let progress = self.progress;
             let names = model.effects().join(" + ");
             let best = self.rungs.values().map(|f| f.fit.f).fold(f64::INFINITY, f64::min);
+            let far = UNEXPLAINED * self.measured.data.points() as f64;
+            let mut last = f64::INFINITY;
             let fit = inverse::fit(&problem, &self.measured.data, &list, &options, &mut |i| {
                 if let Some(f) = i.f {
                     progress(&format!(
@@ -220,7 +235,10 @@ impl FeLadder<'_> {
                     ));
                 }
                 let hopeless = i.iteration >= PATIENCE && i.f.is_some_and(|f| f > HOPELESS * best);
-                if hopeless { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                let taken = i.f.filter(|_| i.accepted);
+                let idle = taken.is_some_and(|f| f > far && last - f < COARSE_TOLERANCE * f);
+                last = taken.unwrap_or(last);
+                if hopeless || idle { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             })?;
             self.runs.fetch_add(problem.runs(), Ordering::Relaxed);
             (fit, problem.warm())

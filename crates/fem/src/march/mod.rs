@@ -166,7 +166,7 @@ impl March<'_> {
                         if self.problem.path.is_none() || travel == 0.0 {
                             return Err(blame(e, self.state.actuator, share * travel.abs()));
                         }
-                        path::jump(self, travel.signum(), share * travel.abs(), dt)
+                        path::jump(self, target.actuator, share * travel.abs(), dt)
                             .map_err(|why| blame(why, self.state.actuator, share * travel.abs()))?;
                         done = if travel == 0.0 {
                             1.0

@@ -111,11 +111,15 @@ fn ramp(plan: &mut Plan, a: Corner, b: Corner, leg: usize, spacing: f64) {
         push(plan, a.time + share * (b.time - a.time), u);
     }
     push(plan, b.time, b.displacement);
-    let last = plan.targets.len() - 1;
+    close(plan, first, a, b, leg);
+}
+
+/// The piece from the target `first` to the last one, between two corners.
+fn close(plan: &mut Plan, first: usize, a: Corner, b: Corner, leg: usize) {
     plan.pieces.push(Piece {
         time: [a.time, b.time],
         displacement: [a.displacement, b.displacement],
-        targets: [first, last],
+        targets: [first, plan.targets.len() - 1],
         leg,
     });
 }
@@ -129,13 +133,7 @@ fn hold(plan: &mut Plan, a: Corner, b: Corner, leg: usize, steps: bool) {
     for s in shares {
         push(plan, a.time + s * (b.time - a.time), a.displacement);
     }
-    let last = plan.targets.len() - 1;
-    plan.pieces.push(Piece {
-        time: [a.time, b.time],
-        displacement: [a.displacement; 2],
-        targets: [first, last],
-        leg,
-    });
+    close(plan, first, a, b, leg);
 }
 
 /// Plan of `fct simulate`: answers at t = 0, every multiple of `step` of travel in each leg, every
@@ -161,13 +159,7 @@ pub fn plan_simulation(corners: &[Corner], step: f64, holds: bool, path: bool) -
             push(&mut plan, a.time + share * (b.time - a.time), a.displacement + travel * share);
         }
         push(&mut plan, b.time, b.displacement);
-        let last = plan.targets.len() - 1;
-        plan.pieces.push(Piece {
-            time: [a.time, b.time],
-            displacement: [a.displacement, b.displacement],
-            targets: [first, last],
-            leg,
-        });
+        close(&mut plan, first, a, b, leg);
     }
     plan
 }
