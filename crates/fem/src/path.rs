@@ -12,6 +12,9 @@ use crate::state::State;
 /// Steps before a path is given up.
 const MOST_STEPS: usize = 4000;
 
+/// A jump is followed for its end, not for its shape: steps this many times longer than those of a traced path.
+const BOLD: f64 = 2.0;
+
 /// Steps before a jump is given up: the snap-back of the peers takes about 150.
 const MOST_JUMP_STEPS: usize = 800;
 
@@ -98,7 +101,7 @@ impl Walk {
                     fresh_commit(m, fresh, time, dt, target, c.iterations, Some(held), &border)?;
                     self.before = Some(kept);
                     self.tangent = next;
-                    if c.iterations <= 5 {
+                    if c.iterations <= 4 {
                         self.length = (1.5 * self.length).min(self.largest);
                     }
                     return Ok(());
@@ -116,9 +119,9 @@ impl Walk {
     }
 }
 
-/// Forward component of the path's tangent below which a limit point is close: the tear opens five times as
-/// fast as the actuator moves.
-const STEEP: f64 = 0.2;
+/// Forward component of the path's tangent below which it is walked rather than stepped: the tear opens nearly
+/// twice as fast as the actuator moves.
+const STEEP: f64 = 0.5;
 
 /// Whether the path at the last state is about to turn: cutting the step further would only find out slowly.
 pub(crate) fn limit_ahead(m: &mut March, travel: f64, length: f64) -> bool {
@@ -170,7 +173,7 @@ pub(crate) fn jump(m: &mut March, to: f64, length: f64, dt: f64) -> Result<(), F
     let kept_recent = m.run.states.len();
     let rate = length / dt.max(1e-9);
     let mut walk = Walk::start(m, direction, length.max(1e-6), rate.max(1e-9))?;
-    walk.largest = m.options.arc_step.max(length);
+    walk.largest = BOLD * m.options.arc_step.max(length);
     let mut farthest = before.actuator;
     let mut released = 0.0;
     let mut turned = false;
@@ -189,6 +192,7 @@ pub(crate) fn jump(m: &mut March, to: f64, length: f64, dt: f64) -> Result<(), F
             }
             walk.length = (0.5 * walk.length).max(walk.smallest);
         }
+        let reach = forward * walk.length;
         if !turned && forward > 0.0 {
             // A limit point beyond the target is none of this step's: never past it.
             walk.length = walk.length.min(0.5 * (to - u0) * direction / forward);
@@ -212,7 +216,9 @@ pub(crate) fn jump(m: &mut March, to: f64, length: f64, dt: f64) -> Result<(), F
             return land(m, before, farthest, first, kept_recent, released);
         }
         // The limit point was only a cut-off step away: the branch goes on without a jump.
+        let calm = walk.tangent[0] * direction > STEEP || reach > (to - m.state.actuator) * direction;
         if !turned
+            && calm
             && (m.state.actuator - before.actuator) * direction > enough
             && m.system.factor.negative_pivots() == 0
         {

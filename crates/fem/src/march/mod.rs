@@ -23,8 +23,8 @@ use visits::Visit;
 /// Share of a planned step below which Newton gets more iterations instead of shorter steps alone.
 const STUBBORN: f64 = 0.2;
 
-/// Share of a planned step from which a failed one may be the sign of a limit point.
-const LOOK: f64 = 0.25;
+/// Share of a planned step from which on a failed one may be the sign of a limit point.
+const LOOK: f64 = 0.5;
 
 /// A run in progress.
 pub(crate) struct March<'a> {
