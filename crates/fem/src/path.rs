@@ -124,10 +124,11 @@ impl Walk {
 const STEEP: f64 = 0.5;
 
 /// Whether the path at the last state is about to turn: cutting the step further would only find out slowly.
-pub(crate) fn limit_ahead(m: &mut March, travel: f64, length: f64) -> bool {
+/// On the way back a step fails for other reasons.
+pub(crate) fn limit_ahead(m: &mut March, step: f64) -> bool {
     m.problem.path.is_some()
-        && travel != 0.0
-        && Walk::start(m, travel.signum(), length, 1.0).is_ok_and(|walk| walk.tangent[0].abs() < STEEP)
+        && step * m.state.actuator > 0.0
+        && Walk::start(m, step.signum(), step.abs(), 1.0).is_ok_and(|walk| walk.tangent[0].abs() < STEEP)
 }
 
 /// `control = "path"`: follows the path until the actuator first reaches `to`, every step reported,
@@ -204,7 +205,7 @@ pub(crate) fn jump(m: &mut March, to: f64, length: f64, dt: f64) -> Result<(), F
         } else if (m.state.actuator - farthest) * direction < 0.0 {
             turned = true;
         }
-        if m.state.actuator * direction <= 0.0 {
+        if turned && m.state.actuator * before.actuator.signum() <= 0.0 {
             return Err(FemError::NoConvergence {
                 displacement: before.actuator,
                 step: walk.length,
@@ -278,5 +279,7 @@ fn land(
         step: m.run.steps.len(),
     });
     m.run.steps.push(record);
+    // They count in steps that are no more.
+    m.forget();
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! The answer to one case, and how it compares with the truth.
 
-use crate::files::Truth;
+use crate::files::{Truth, VISIBLE};
 use serde::{Deserialize, Serialize};
 
 /// One effect of the screen at the base model.
@@ -152,6 +152,21 @@ impl Outcome {
         let same =
             |s: &&Step| s.effects.len() == effects.len() && effects.iter().all(|e| s.effects.contains(e));
         self.tried.iter().find(same)
+    }
+
+    /// What the best of the fitted models that lack some of the truth leaves beyond the noise, in standard
+    /// deviations: √(χ² − degrees of freedom). An upper bound of what any values of its parameters must leave.
+    pub fn left_without_truth(&self) -> Option<f64> {
+        let hidden = &self.truth.effects;
+        let lacking =
+            |s: &&Step| s.effects.len() < hidden.len() && s.effects.iter().all(|e| hidden.contains(e));
+        let beyond = |s: &Step| (s.objective - s.objective / s.reduced_chi2_total).max(0.0).sqrt();
+        self.tried.iter().filter(lacking).map(beyond).reduce(f64::min)
+    }
+
+    /// Whether the record can see the truth, and the fitted models without it do leave as much.
+    pub fn stands_out(&self) -> bool {
+        self.truth.visible() && self.left_without_truth().is_some_and(|left| left >= VISIBLE)
     }
 
     /// Predicted and actual fall of the objective when the first accepted effect was added alone.

@@ -2,6 +2,7 @@
 
 mod attempt;
 mod commit;
+mod mark;
 mod options;
 mod record;
 mod visits;
@@ -22,9 +23,6 @@ use visits::Visit;
 
 /// Share of a planned step below which Newton gets more iterations instead of shorter steps alone.
 const STUBBORN: f64 = 0.2;
-
-/// Share of a planned step from which on a failed one may be the sign of a limit point.
-const LOOK: f64 = 0.5;
 
 /// A run in progress.
 pub(crate) struct March<'a> {
@@ -134,6 +132,7 @@ impl March<'_> {
         }
         let mut done = 0.0;
         let mut share: f64 = 1.0;
+        let mut lost = false;
         loop {
             let end = (done + share).min(1.0);
             let last = end > 1.0 - 1e-12;
@@ -161,18 +160,9 @@ impl March<'_> {
                 Err(e @ FemError::Setup(_)) => return Err(e),
                 Err(e) => {
                     share *= 0.5;
-                    let limit = share <= LOOK && path::limit_ahead(self, travel, share * travel.abs());
-                    if limit || share < self.options.min_step_fraction || travel == 0.0 {
-                        if self.problem.path.is_none() || travel == 0.0 {
-                            return Err(blame(e, self.state.actuator, share * travel.abs()));
-                        }
-                        path::jump(self, target.actuator, share * travel.abs(), dt)
-                            .map_err(|why| blame(why, self.state.actuator, share * travel.abs()))?;
-                        done = if travel == 0.0 {
-                            1.0
-                        } else {
-                            ((self.state.actuator - start) / travel).clamp(0.0, 1.0)
-                        };
+                    let tired = share < self.options.min_step_fraction;
+                    if self.walked(e, target, share * travel, dt, tired, &mut lost)? {
+                        done = ((self.state.actuator - start) / travel).clamp(0.0, 1.0);
                         share = (1.0 - done).max(1e-9);
                         if done >= 1.0 - 1e-12 {
                             return Ok(());
@@ -181,6 +171,38 @@ impl March<'_> {
                 }
             }
         }
+    }
+
+    /// After a failed step, whether the run went on along the path: where it steepens towards a limit point, and
+    /// where shorter steps (`tired` of them) are no way any more. `lost`: a walk has led nowhere before.
+    fn walked(
+        &mut self,
+        failed: FemError,
+        target: &Target,
+        step: f64,
+        dt: f64,
+        tired: bool,
+        lost: &mut bool,
+    ) -> Result<bool, FemError> {
+        if step == 0.0 || tired && self.problem.path.is_none() {
+            return Err(blame(failed, self.state.actuator, step.abs()));
+        }
+        if tired {
+            return path::jump(self, target.actuator, step.abs(), dt)
+                .map(|()| true)
+                .map_err(|why| blame(why, self.state.actuator, step.abs()));
+        }
+        if *lost || !path::limit_ahead(self, step) {
+            return Ok(false);
+        }
+        let mark = self.mark();
+        let walked = path::jump(self, target.actuator, step.abs(), dt);
+        if walked.is_err() {
+            // Too early: shorter steps may still find the way.
+            self.back_to(mark);
+            *lost = true;
+        }
+        Ok(walked.is_ok())
     }
 
     pub(crate) fn mean_opening(&self, u: &[f64]) -> f64 {

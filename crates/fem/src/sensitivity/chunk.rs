@@ -25,6 +25,8 @@ pub struct Chunk<const W: usize> {
     direct_history: bool,
     repeatable: bool,
     moved: bool,
+    /// Histories (bulk, path, train) to go back to.
+    saved: [Vec<Jet<W>>; 3],
 }
 
 impl<const W: usize> Chunk<W> {
@@ -53,6 +55,7 @@ impl<const W: usize> Chunk<W> {
             direct_history: false,
             moved: false,
             repeatable: !problem.rate_dependent(),
+            saved: Default::default(),
             problem,
         }
     }
@@ -177,6 +180,17 @@ where
 
     fn repeatable(&self) -> bool {
         self.repeatable
+    }
+
+    fn save(&mut self) {
+        self.saved = [self.bulk.clone(), self.path.clone(), self.train.clone()];
+    }
+
+    fn restore(&mut self) {
+        let [bulk, path, train] = &self.saved;
+        self.bulk.clone_from(bulk);
+        self.path.clone_from(path);
+        self.train.clone_from(train);
     }
 
     fn moved(&self) -> bool {

@@ -61,6 +61,10 @@ pub trait Columns: Send {
     fn repeatable(&self) -> bool;
     /// Whether the last step changed the values of any history variable of these columns.
     fn moved(&self) -> bool;
+    /// Remembers the present history, for [`Self::restore`].
+    fn save(&mut self);
+    /// Goes back to the history that was saved last.
+    fn restore(&mut self);
 }
 
 /// Chunks of the standard width for a list of parameters.

@@ -1,0 +1,49 @@
+//! A point of a run to go back to, when a walk along the path ends nowhere.
+
+use super::March;
+use crate::state::State;
+
+/// Where a run stood.
+pub(super) struct Mark {
+    state: State,
+    steps: usize,
+    states: usize,
+    gradients: usize,
+    train_energy: f64,
+}
+
+impl March<'_> {
+    /// Remembers this point of the run.
+    pub(super) fn mark(&mut self) -> Mark {
+        for c in &mut self.columns {
+            c.save();
+        }
+        Mark {
+            state: self.state.clone(),
+            steps: self.run.steps.len(),
+            states: self.run.states.len(),
+            gradients: self.run.gradients.len(),
+            train_energy: self.train_energy,
+        }
+    }
+
+    /// Goes back to a point of the run; what it cost stays counted.
+    pub(super) fn back_to(&mut self, mark: Mark) {
+        for c in &mut self.columns {
+            c.restore();
+        }
+        self.state = mark.state;
+        self.train_energy = mark.train_energy;
+        self.run.steps.truncate(mark.steps);
+        self.run.states.truncate(mark.states);
+        self.run.path_histories.truncate(mark.states);
+        self.run.gradients.truncate(mark.gradients);
+        self.forget();
+    }
+
+    /// Forgets the states that might have helped the next step.
+    pub(crate) fn forget(&mut self) {
+        self.visits.clear();
+        self.recent.clear();
+    }
+}
