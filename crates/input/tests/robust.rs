@@ -9,27 +9,36 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+thread_local! {
+    /// One folder for all cases of a thread: making one costs more than reading.
+    static FOLDER: tempfile::TempDir = tempfile::tempdir().expect("a folder");
+}
+
+/// The messages for these files, of which the first is the specimen; empty if they are right.
+fn faults(files: &[(&str, &[u8])]) -> String {
+    FOLDER.with(|folder| {
+        for (name, bytes) in files {
+            fs::write(folder.path().join(name), bytes).expect("written");
+        }
+        read_case(&folder.path().join(files[0].0), &Catalogue).map_or_else(
+            |e| e.to_string(),
+            |case| {
+                assert!(!resolved_toml(&case).is_empty());
+                String::new()
+            },
+        )
+    })
+}
+
 /// The messages for a specimen file of these bytes; empty if it is right.
 fn toml_faults(bytes: &[u8]) -> String {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("s.toml");
-    fs::write(&path, bytes).expect("written");
-    read_case(&path, &Catalogue).map_or_else(
-        |e| e.to_string(),
-        |case| {
-            assert!(!resolved_toml(&case).is_empty());
-            String::new()
-        },
-    )
+    faults(&[("s.toml", bytes)])
 }
 
 /// The messages for a record of these bytes; empty if it is right.
 fn csv_faults(bytes: &[u8]) -> String {
-    let folder = tempfile::tempdir().expect("a folder");
     let text = STRIP.replace("protocol = [{ to_mm = 4.0, rate_mm_per_s = 0.05 }]", "data = \"r.csv\"");
-    fs::write(folder.path().join("s.toml"), text).expect("written");
-    fs::write(folder.path().join("r.csv"), bytes).expect("written");
-    read_case(&folder.path().join("s.toml"), &Catalogue).map_or_else(|e| e.to_string(), |_| String::new())
+    faults(&[("s.toml", text.as_bytes()), ("r.csv", bytes)])
 }
 
 fn assert_quick(started: Instant) {
@@ -152,8 +161,13 @@ figures = [\"svg\"]
 
 const RECORD: &str = "# c\ntime_s,displacement_mm,force_mN,segment,tear_front_mm\n0,0,0,load,\n1,0.5,2,\"a,b\",1.5\n2,1,3,,2\n";
 
+/// How many cases: `FCT_CASES`, or the few of every day.
+fn cases(usual: u32) -> u32 {
+    std::env::var("FCT_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(usual)
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(400))]
+    #![proptest_config(ProptestConfig { cases: cases(400), ..ProptestConfig::default() })]
 
     #[test]
     fn arbitrary_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {

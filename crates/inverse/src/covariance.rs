@@ -71,7 +71,8 @@ pub struct Uncertainty {
 }
 
 /// Uncertainty at the optimum of `fit`. A whitened fit has the covariance (JᵀΣ⁻¹J)⁻¹; a fit of the
-/// plain sum of squares has the sandwich (JᵀJ)⁻¹JᵀΣJ(JᵀJ)⁻¹, Σ with autocorrelation and numerical error.
+/// plain sum of squares has the sandwich (JᵀJ)⁻¹JᵀΣJ(JᵀJ)⁻¹, Σ with autocorrelation and numerical error; one that
+/// weighed by the record's noise alone the same with J and Σ whitened by that.
 ///
 /// # Errors
 /// [`FitError::Contract`] when the fit carries no jacobian.
@@ -108,7 +109,20 @@ pub(crate) fn uncertainty_with(
     }
     let inner = match fit.objective {
         Objective::Whitened => inverse_gram(&singular_values, &v, rule.null),
-        Objective::PaperSum => sandwich(data, free, fit, &open, &scales, rule.null),
+        Objective::Record => {
+            let raw = Whitened::new(data, free, theta, &fit.prediction, Noise::Record);
+            sandwich(&raw, &open, &scales, rule.null, 1.0, |columns| {
+                columns.clone() + numerical(data, &raw, columns)
+            })
+        }
+        Objective::PaperSum => {
+            let raw = Whitened::new(data, free, theta, &fit.prediction, Noise::None);
+            sandwich(&raw, &open, &scales, rule.null, data.mean_sd(), |columns| {
+                let times = |k| data.covariance_times(&raw.rows, &columns.column(k).into_owned());
+                let all: Vec<_> = (0..columns.ncols()).map(times).collect();
+                if all.is_empty() { columns.clone() } else { DMatrix::from_columns(&all) }
+            })
+        }
     };
     let mut covariance_z = DMatrix::zeros(p, p);
     for (a, &i) in open.iter().enumerate() {
@@ -231,33 +245,27 @@ fn inverse_gram(s: &[f64], v: &DMatrix<f64>, null: f64) -> DMatrix<f64> {
     v * DMatrix::from_diagonal(&inverse) * v.transpose()
 }
 
-/// (JᵀJ)⁻¹ JᵀΣJ (JᵀJ)⁻¹ with the unweighted jacobian, in natural scales of the open parameters.
+/// (JᵀJ)⁻¹ JᵀΣJ (JᵀJ)⁻¹ with the jacobian as the fit weighed it, in natural scales of the open parameters.
+/// `spread` is Σ times columns, `sd` the size of its unit.
 fn sandwich(
-    data: &Data,
-    free: &[Free],
-    fit: &Fit,
+    raw: &Whitened,
     open: &[usize],
     scales: &[f64],
     null: f64,
+    sd: f64,
+    spread: impl Fn(&DMatrix<f64>) -> DMatrix<f64>,
 ) -> DMatrix<f64> {
-    let raw = Whitened::new(data, free, &fit.theta, &fit.prediction, Noise::None);
     let j = scaled_columns(&raw.jacobian, open, scales);
     let (s, v) = spectrum(&j);
-    let sd = data.mean_sd();
     let floor = s.first().map_or(1e-6 * sd, |&s| (null * s).max(1e-6 * sd));
-    let q = s.len();
     let mut g = &j * &v;
     for (k, &s) in s.iter().enumerate() {
         let factor = if s > floor { 1.0 / (s * s) } else { 0.0 };
         g.column_mut(k).scale_mut(factor);
     }
     let m = raw.rows.len();
-    let mut meat = DMatrix::zeros(q, q);
     let data_part = g.rows(0, m).into_owned();
-    for k in 0..q {
-        let column = data.covariance_times(&raw.rows, &data_part.column(k).into_owned());
-        meat.set_column(k, &data_part.tr_mul(&column));
-    }
+    let mut meat = data_part.tr_mul(&spread(&data_part));
     let prior_part = g.rows(m, raw.prior_rows).into_owned();
     meat += prior_part.tr_mul(&prior_part) * (sd * sd);
     for (k, &s) in s.iter().enumerate() {
@@ -266,6 +274,16 @@ fn sandwich(
         }
     }
     &v * meat * v.transpose()
+}
+
+/// What the model's numerical error adds to Σ times columns, on the whitened rows of the data.
+fn numerical(data: &Data, white: &Whitened, columns: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut out = DMatrix::zeros(columns.nrows(), columns.ncols());
+    for e in data.nuisance_columns() {
+        let w = white.whitener.apply(&e);
+        out += &w * columns.tr_mul(&w).transpose();
+    }
+    out
 }
 
 fn correlation(c: &DMatrix<f64>) -> DMatrix<f64> {

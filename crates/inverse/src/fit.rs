@@ -129,7 +129,7 @@ impl<P: Problem + ?Sized> Search<'_, P> {
     /// The objective that one unit of χ² stands for.
     fn unit(&self) -> f64 {
         match self.options.objective {
-            crate::Objective::Whitened => 1.0,
+            crate::Objective::Whitened | crate::Objective::Record => 1.0,
             crate::Objective::PaperSum => {
                 self.data.blocks.iter().map(|b| b.noise.sd.powi(2)).fold(f64::INFINITY, f64::min)
             }

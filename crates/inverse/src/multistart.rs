@@ -142,7 +142,7 @@ fn compare(ends: Vec<(Vec<f64>, Result<Fit, FitError>)>, same: f64) -> Result<St
         return Err(first.unwrap_or_else(|| FitError::Parameter("no start was given".into())));
     };
     let slack = match best.objective {
-        crate::Objective::Whitened => (same * best.f).max(0.1),
+        crate::Objective::Whitened | crate::Objective::Record => (same * best.f).max(0.1),
         crate::Objective::PaperSum => same * best.f,
     };
     let agreeing = fits().filter(|(_, f)| f.f <= best.f + slack).count();

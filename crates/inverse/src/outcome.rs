@@ -10,8 +10,11 @@ use thiserror::Error;
 pub enum Objective {
     /// The paper's f = Σ (Fp − Fe)², every point alike. Priors, where given, count with the mean noise sd.
     PaperSum,
-    /// χ² with the noise model: rᵀΣ⁻¹r plus priors.
+    /// χ² with the whole noise model, the model's numerical error in it: rᵀΣ⁻¹r plus priors.
     Whitened,
+    /// χ² with the record's noise alone, plus priors: numerical error, known only afterwards, counts in the
+    /// intervals.
+    Record,
 }
 
 impl Objective {
@@ -19,6 +22,7 @@ impl Objective {
         match self {
             Self::PaperSum => Noise::None,
             Self::Whitened => Noise::Total,
+            Self::Record => Noise::Record,
         }
     }
 }

@@ -60,6 +60,7 @@ fn numerical_error_of_the_model() {
     let e = DVector::from_fn(60, |i, _| 0.04 * (i as f64 / 15.0).sin());
     let noise = NoiseModel::white(0.03).with_nuisance(e);
     assert_calibrated(&coverage(noise.clone(), Objective::Whitened, "with numerical error"));
+    assert_calibrated(&coverage(noise.clone(), Objective::Record, "weighed by the record's noise alone"));
     assert_calibrated(&coverage(noise, Objective::PaperSum, "plain sum, numerical error"));
 }
 

@@ -39,7 +39,11 @@ impl RunDir {
         let parent = place.parent().unwrap_or(Path::new("/")).to_owned();
         fs::create_dir_all(&parent).map_err(ReportError::io(&parent, "create the directory"))?;
         let lock = lock(&place)?;
-        let part = sibling(&place, "part");
+        let (part, old) = (sibling(&place, "part"), sibling(&place, "old"));
+        if old.exists() && !place.exists() {
+            // A run that was killed between its last two moves: the earlier run was safe beside its place.
+            fs::rename(&old, &place).map_err(ReportError::io(&old, "put an earlier run back"))?;
+        }
         if part.exists() {
             // A run that was killed left it; its state was of use only to a resumed run.
             fs::remove_dir_all(&part).map_err(ReportError::io(&part, "remove what a killed run left"))?;

@@ -93,7 +93,7 @@ impl<'a> Work<'a> {
             self.control.cancelled,
         );
         let whitened = stage == Stage::Joint || starting;
-        let objective = if whitened { Objective::Whitened } else { Objective::PaperSum };
+        let objective = if whitened { Objective::Record } else { Objective::PaperSum };
         let fit_options = FitOptions {
             objective,
             // The coarse mesh only brings the search near: its own error is larger than the rest.
@@ -182,7 +182,7 @@ impl<'a> Work<'a> {
         };
         let measured = measured.with_numerical_error(&numerical_error);
         let last = list.last().map_or(Stage::Joint, |l| l.0);
-        let objective = if last == Stage::Joint { Objective::Whitened } else { Objective::PaperSum };
+        let objective = if last == Stage::Joint { Objective::Record } else { Objective::PaperSum };
         let at_bound = list_free.iter().zip(&free).map(|(f, &i)| f.at_bound(self.theta[i])).collect();
         let fit = Fit {
             theta: free.iter().map(|&i| self.theta[i]).collect(),

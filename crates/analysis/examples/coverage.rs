@@ -1,0 +1,231 @@
+//! Whether 95 % intervals hold the truth in 95 % of repeats, and whether p-values of the screen are uniform where no
+//! effect is hidden, with finite elements from records to intervals: `just coverage`, or
+//! `cargo run --release -p analysis --example coverage -- 200` for 200 repeats each of white and AR(1) noise.
+//!
+//! A repeat is a record of the fit's own model at the truth plus drawn noise plus the drawn multiple of its
+//! numerical error (difference to a mesh twice as coarse) that the intervals assume. Noise levels are estimated
+//! from each record. A Kolmogorov–Smirnov test judges the p-values below 0.45: a one-sided test answers 1 whenever
+//! the sign is wrong.
+use analysis::{Control, FeLadder, FeProblem, Identified, Measured};
+use diagnose::{Hints, Ladder, Policy};
+use input::Case;
+use inverse::{Problem, Random};
+use model::{Discretisation, Model};
+use nalgebra::DVector;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::Path;
+use std::sync::Arc;
+
+const CONFIG: &str = r#"
+name = "coverage"
+provenance = "synthetic"
+[geometry]
+length_mm = 8.0
+width_mm = 6.0
+thickness_mm = 0.8
+cut_mm = 1.5
+[[tests]]
+kind = "uniaxial"
+data = "uniaxial.csv"
+[[tests]]
+kind = "tearing"
+data = "tearing.csv"
+[mesh]
+divisions = [12, 12, 1]
+[bulk]
+mu_kPa = { start = 6.0, fixed = true }
+k1_kPa = 700.0
+k2 = 15.0
+gamma_deg = { start = 42.0, fixed = true }
+kappa = { start = 0.22, fixed = true }
+[interface]
+areas = 2
+gc_N_per_mm = 0.15
+sigma_c_MPa = 0.08
+[identify]
+mode = "joint"
+"#;
+
+/// What the file of a fit says instead of the truth.
+const STARTS: [(&str, &str); 4] = [
+    ("k1_kPa = 700.0", "k1_kPa = 500.0"),
+    ("k2 = 15.0", "k2 = 12.0"),
+    ("gc_N_per_mm = 0.15", "gc_N_per_mm = 0.12"),
+    ("sigma_c_MPa = 0.08", "sigma_c_MPa = 0.06"),
+];
+
+/// Noise of each record as a share of its peak, and its correlations.
+const NOISE: f64 = 0.01;
+const AR1: [f64; 2] = [0.0, 0.5];
+
+/// Displacement corners of the two protocols, and points of each leg.
+const UNIAXIAL: &[f64] = &[0.0, 1.0, 0.2, 2.0];
+const TEARING: &[f64] = &[0.0, 2.0, 1.0, 3.5, 1.5, 5.0];
+const POINTS: usize = 60;
+
+fn schedule(corners: &[f64]) -> Vec<f64> {
+    let leg =
+        |w: &[f64]| (0..POINTS).map(|i| w[0] + (w[1] - w[0]) * i as f64 / POINTS as f64).collect::<Vec<_>>();
+    corners.windows(2).flat_map(leg).chain(corners.last().copied()).collect()
+}
+
+/// The case with these forces, tests one after the other.
+fn case(folder: &Path, forces: &[f64], config: &str) -> Case {
+    let mut at = 0;
+    for (name, corners) in [("uniaxial.csv", UNIAXIAL), ("tearing.csv", TEARING)] {
+        let mut text = String::from("time_s,displacement_mm,force_N\n");
+        let mut clock = 0.0;
+        let u = schedule(corners);
+        for (i, x) in u.iter().enumerate() {
+            clock += if i > 0 { (x - u[i - 1]).abs() / 0.05 } else { 0.0 };
+            let _ = writeln!(text, "{clock},{x},{:.17e}", forces[at]);
+            at += 1;
+        }
+        std::fs::write(folder.join(name), text).expect("a record");
+    }
+    std::fs::write(folder.join("case.toml"), config).expect("a config");
+    input::read_case(&folder.join("case.toml"), &effects::catalogue()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// The model of a file, and its forces at the values there.
+fn clean(case: &Case) -> (Model, DVector<f64>) {
+    let model = Model::new(Arc::new(case.clone()), &effects::catalogue(), Discretisation::default())
+        .expect("a model");
+    let measured = Measured::of(&model, &[true, true]).expect("data");
+    let options = analysis::run_options(case);
+    let problem = FeProblem::new(&model, model.theta(), Vec::new(), &measured.slots, options, &|| false);
+    let forces = problem.predict(&[], false).expect("a run").values;
+    drop(problem);
+    (model, forces)
+}
+
+fn identify(case: &Case) -> Identified {
+    let control = Control { progress: &|_| {}, cancelled: &|| false };
+    analysis::identify(Arc::new(case.clone()), &effects::catalogue(), &control)
+        .unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// What one repeat says: per identifiable parameter whether its interval holds the truth, per effect its p-value.
+struct Said {
+    holds: Vec<(String, bool)>,
+    p_values: Vec<(String, f64)>,
+    alarm: bool,
+}
+
+/// The config with other start values.
+fn starts() -> String {
+    STARTS.iter().fold(CONFIG.to_owned(), |text, (truth, start)| text.replace(truth, start))
+}
+
+fn repeat(
+    seed: u64,
+    ar1: f64,
+    clean: &DVector<f64>,
+    error: &DVector<f64>,
+    truth: &BTreeMap<String, f64>,
+) -> Said {
+    let mut random = Random::new(seed);
+    let mut forces = clean.clone();
+    let (n, m) = (schedule(UNIAXIAL).len(), schedule(TEARING).len());
+    for (start, len) in [(0, n), (n, m)] {
+        let sd = NOISE * clean.rows(start, len).amax();
+        let factor = random.normal();
+        let noise = random.ar1(len, sd, ar1) + factor * error.rows(start, len);
+        let mut rows = forces.rows_mut(start, len);
+        rows += noise;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut case = case(folder.path(), forces.as_slice(), &starts());
+    let found = identify(&case);
+    let estimates = &found.uncertainty.estimates;
+    let holds = found
+        .frees
+        .iter()
+        .zip(estimates)
+        .filter(|(_, e)| e.identifiable)
+        .map(|(f, e)| {
+            (f.path.clone(), e.interval_95[0] <= truth[&f.path] && truth[&f.path] <= e.interval_95[1])
+        })
+        .collect();
+    if std::env::var("V").is_ok() {
+        let own = (&found.numerical_error - error).norm() / error.norm();
+        println!("own error differs {own:.2}");
+        println!("repeat {seed}: chi2 {:.3} stops {:?}", found.quality.reduced_chi2_total, found.stopped);
+        for ((f, e), i) in found.frees.iter().zip(estimates).zip(&found.free) {
+            println!(
+                "   {} {:.5e} {:?} truth {:.5e}",
+                f.path, found.theta[*i], e.interval_95, truth[&f.path]
+            );
+        }
+    }
+    let values: Vec<(String, f64)> =
+        found.frees.iter().zip(&found.free).map(|(f, &i)| (f.path.clone(), found.theta[i])).collect();
+    analysis::start_at(&mut case, values.iter().map(|(p, v)| (p.as_str(), *v)));
+    let catalogue = effects::catalogue();
+    let quiet = |_: &str| {};
+    let mut ladder =
+        FeLadder::new(Arc::new(case), &catalogue, Policy::default(), &quiet, &|| false).expect("a ladder");
+    let base = ladder.fit(&[], &Hints::new()).unwrap_or_else(|e| panic!("{e}"));
+    let screen = ladder.screen(&base).unwrap_or_else(|e| panic!("{e}"));
+    let p_values =
+        screen.findings.iter().filter(|f| !f.refit_only).map(|f| (f.effect.clone(), f.p_value)).collect();
+    Said { holds, p_values, alarm: screen.findings.iter().any(|f| f.significant) }
+}
+
+/// Kolmogorov–Smirnov p-value (asymptotic, Stephens' correction) that the p-values below `top` are uniform there.
+fn ks(p: &[f64], top: f64) -> (usize, f64) {
+    let mut x: Vec<f64> = p.iter().filter(|&&v| v < top).map(|v| v / top).collect();
+    x.sort_by(f64::total_cmp);
+    let n = x.len() as f64;
+    let apart = |(i, v): (usize, &f64)| (v - i as f64 / n).abs().max(((i + 1) as f64 / n - v).abs());
+    let d = x.iter().enumerate().map(apart).fold(0.0, f64::max);
+    let z = (n.sqrt() + 0.12 + 0.11 / n.sqrt()) * d;
+    let term = |k: i32| (if k % 2 == 1 { 2.0 } else { -2.0 }) * (-2.0 * (f64::from(k) * z).powi(2)).exp();
+    (x.len(), (1..100).map(term).sum::<f64>().clamp(0.0, 1.0))
+}
+
+fn main() {
+    let repeats: u64 = std::env::args().nth(1).and_then(|n| n.parse().ok()).unwrap_or(200);
+    let folder = tempfile::tempdir().expect("a folder");
+    let points = schedule(UNIAXIAL).len() + schedule(TEARING).len();
+    let placeholder: Vec<f64> = (0..points).map(|i| 1.0 + (i % 7) as f64).collect();
+    let (model, clean) = clean(&case(folder.path(), &placeholder, CONFIG));
+    let known = identify(&case(folder.path(), clean.as_slice(), &starts()));
+    let at = |f: &inverse::Free| model.find(&f.path).map(|i| (f.path.clone(), model.theta()[i]));
+    let truth: BTreeMap<String, f64> = known.frees.iter().filter_map(at).collect();
+    for (start, len) in [(0, schedule(UNIAXIAL).len()), (schedule(UNIAXIAL).len(), schedule(TEARING).len())] {
+        let sd = NOISE * clean.rows(start, len).amax();
+        let rms = known.numerical_error.rows(start, len).norm() / (len as f64).sqrt();
+        println!("numerical error: {:.2} of the noise (root mean square)", rms / sd);
+    }
+    for ar1 in AR1 {
+        let said: Vec<Said> = (0..repeats)
+            .into_par_iter()
+            .map(|k| repeat(1000 + k, ar1, &clean, &known.numerical_error, &truth))
+            .collect();
+        println!("noise {} % of peak, AR(1) {ar1}, {repeats} repeats", 100.0 * NOISE);
+        let mut holds: BTreeMap<&str, Vec<bool>> = BTreeMap::new();
+        said.iter().flat_map(|s| &s.holds).for_each(|(p, h)| holds.entry(p).or_default().push(*h));
+        let (mut all, mut within) = (0, 0);
+        for (path, h) in &holds {
+            let inside = h.iter().filter(|h| **h).count();
+            (all, within) = (all + h.len(), within + inside);
+            println!(
+                "  {path:32} {inside:4} of {:4} ({:.1} %)",
+                h.len(),
+                100.0 * inside as f64 / h.len() as f64
+            );
+        }
+        println!("  all identifiable parameters: {:.1} %", 100.0 * within as f64 / all as f64);
+        println!("  records with a significant effect: {}", said.iter().filter(|s| s.alarm).count());
+        let mut p: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+        said.iter().flat_map(|s| &s.p_values).for_each(|(e, v)| p.entry(e).or_default().push(*v));
+        for (effect, values) in &p {
+            let small = values.iter().filter(|v| **v <= 0.05).count() as f64 / values.len() as f64;
+            let (n, ks) = ks(values, 0.45);
+            println!("  {effect:26} p ≤ 0.05 in {:4.1} %; below 0.45: {n:3}, KS p = {ks:.3}", 100.0 * small);
+        }
+    }
+}

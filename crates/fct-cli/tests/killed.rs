@@ -1,0 +1,160 @@
+//! Runs that are killed at any moment: what stands in a run directory is whole, and `--resume` ends as if nothing
+//! had happened. `FCT_KILLS` sets how often; the study of docs/reliability.md takes 200.
+#![cfg(unix)]
+
+mod common;
+
+use common::{Tested, json, synthetic, timeless};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+fn kills() -> u32 {
+    std::env::var("FCT_KILLS").ok().and_then(|n| n.parse().ok()).unwrap_or(3)
+}
+
+/// Shares of a run's time at which it is killed: spread evenly, beyond its end too (golden-ratio sequence).
+fn moments(n: u32) -> impl Iterator<Item = f64> {
+    (1..=n).map(|i| 1.05 * (f64::from(i) * 0.618_033_988_749_895).fract())
+}
+
+/// The commands that are killed: identify, discover, batch, each into `run`.
+const COMMANDS: [&[&str]; 3] = [
+    &["identify", "fit.toml", "--out", "run", "--threads", "1"],
+    &["discover", "fit.toml", "--out", "run", "--threads", "1"],
+    &["batch", "fit.toml", "fit.toml", "--out", "run", "--threads", "1"],
+];
+
+/// Starts the command and kills it after a time; whether it was still running.
+fn killed(folder: &Path, arguments: &[&str], after: Duration) -> Result<bool, Box<dyn std::error::Error>> {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_fct"))
+        .args(arguments)
+        .args(["--quiet"])
+        .current_dir(folder)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()?;
+    std::thread::sleep(after);
+    let running = child.try_wait()?.is_none();
+    child.kill()?;
+    child.wait()?;
+    Ok(running)
+}
+
+/// Every run directory below `run` that is there at all is whole: its JSON reads, and a report can be made of it.
+fn assert_readable(folder: &Path) -> Tested {
+    let run = folder.join("run");
+    let below = fs::read_dir(&run).into_iter().flatten().filter_map(|e| e.ok().map(|e| e.path()));
+    for place in below.chain([run.clone()]).filter(|p| p.join("run.toml").is_file()) {
+        let hidden = place.file_name().is_some_and(|n| n.to_string_lossy().starts_with('.'));
+        if hidden {
+            continue;
+        }
+        let summary: Value = serde_json::from_slice(&fs::read(place.join("summary.json"))?)?;
+        assert_eq!(summary["schema"], 1, "{}", place.display());
+        let (code, _, stderr) = json(folder, &["report", &place.to_string_lossy()])?;
+        assert_eq!(code, 0, "{stderr}");
+    }
+    Ok(())
+}
+
+#[test]
+fn killed_runs_leave_nothing_broken_and_resume_to_the_same_bits() -> Tested {
+    for arguments in COMMANDS {
+        let reference = synthetic()?;
+        let started = Instant::now();
+        let (code, whole, stderr) = json(reference.path(), arguments)?;
+        let took = started.elapsed();
+        assert_eq!(code, 0, "{arguments:?}: {stderr}");
+        let whole = timeless(whole);
+        let mut caught = 0;
+        for share in moments(kills()) {
+            let folder = synthetic()?;
+            caught += u32::from(killed(folder.path(), arguments, took.mul_f64(share))?);
+            assert_readable(folder.path())?;
+            let (code, again, stderr) = json(folder.path(), &[arguments, &["--resume"]].concat())?;
+            assert_eq!(code, 0, "{arguments:?} killed at {share:.3}: {stderr}");
+            assert_eq!(timeless(again), whole, "{arguments:?} killed at {share:.3}");
+            let left = fs::read_dir(folder.path())?.filter_map(|e| e.ok().map(|e| e.file_name()));
+            let left: Vec<_> = left.filter(|n| n.to_string_lossy().starts_with('.')).collect();
+            assert!(left.is_empty(), "left behind: {left:?}");
+        }
+        println!("{}: killed {caught} of {} times while it ran", arguments[0], kills());
+        assert!(caught > 0, "{arguments:?}: never caught");
+    }
+    Ok(())
+}
+
+#[test]
+fn two_runs_on_one_directory() -> Tested {
+    let folder = synthetic()?;
+    let here = folder.path();
+    fs::write(here.join("fit.toml"), common::FIT.replace("[8, 8, 1]", "[24, 24, 2]"))?;
+    let mut first = Command::new(env!("CARGO_BIN_EXE_fct"))
+        .args(["identify", "fit.toml", "--out", "run", "--quiet"])
+        .current_dir(here)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()?;
+    while !here.join(".run.part").exists() && first.try_wait()?.is_none() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let (code, _, stderr) = json(here, &["identify", "fit.toml", "--out", "run"])?;
+    let alone = first.try_wait()?.is_none();
+    first.kill()?;
+    first.wait()?;
+    assert!(alone, "the first run was to be still there");
+    assert!(code == 2 && stderr.contains("another") && stderr.contains("run"), "{code}: {stderr}");
+    Ok(())
+}
+
+#[test]
+fn a_directory_that_vanishes_under_a_run() -> Tested {
+    let folder = synthetic()?;
+    let here = folder.path();
+    fs::write(here.join("fit.toml"), common::FIT.replace("[8, 8, 1]", "[16, 16, 1]"))?;
+    let child = Command::new(env!("CARGO_BIN_EXE_fct"))
+        .args(["identify", "fit.toml", "--out", "runs/deep/run", "--json"])
+        .current_dir(here)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()?;
+    while !here.join("runs/deep/.run.part/state.json").exists() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    fs::remove_dir_all(here.join("runs/deep"))?;
+    let out = child.wait_with_output()?;
+    let stderr = String::from_utf8_lossy(&out.stderr);
+    // It is made again with all that belongs there: everything but the search's state is written at the end.
+    assert_eq!(out.status.code(), Some(0), "{stderr}");
+    let place = here.join("runs/deep/run");
+    let stored: Value = serde_json::from_slice(&fs::read(place.join("summary.json"))?)?;
+    let answer: Value = serde_json::from_slice(&out.stdout)?;
+    assert_eq!(timeless(stored)["parameters"], timeless(answer)["parameters"]);
+    for file in ["run.toml", "history.csv", "jacobian.csv", "report.html", "curves/tearing.csv"] {
+        assert!(place.join(file).is_file(), "{file}");
+    }
+    Ok(())
+}
+
+/// A disk that takes no more, as far as one can have it without a disk of one's own: files may grow to a few kB only.
+#[test]
+fn a_full_disk_and_a_place_that_cannot_be_written() -> Tested {
+    let folder = synthetic()?;
+    let here = folder.path();
+    let fct = env!("CARGO_BIN_EXE_fct");
+    let script = format!("trap '' XFSZ; ulimit -f 8; exec '{fct}' identify fit.toml --out run --json");
+    let out = Command::new("sh").args(["-c", &script]).current_dir(here).output()?;
+    let stderr = String::from_utf8_lossy(&out.stderr);
+    let answer: Value = serde_json::from_slice(&out.stdout)?;
+    let reason = answer["error"]["reason"].as_str().ok_or("a reason")?;
+    assert_eq!(out.status.code(), Some(1), "{stderr}");
+    assert!(reason.contains("cannot write") && !stderr.contains("panicked"), "{reason}");
+    assert!(!here.join("run").exists() && !here.join(".run.part").exists(), "nothing half-written stays");
+    let (code, answer, stderr) = json(here, &["identify", "fit.toml", "--out", "/proc/fct-run"])?;
+    assert!(code != 0 && !stderr.contains("panicked"), "{stderr}");
+    assert!(answer["error"]["reason"].as_str().is_some_and(|r| r.contains("/proc")), "{answer}");
+    Ok(())
+}
