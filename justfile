@@ -38,6 +38,19 @@ hidden-quick:
 real:
     cargo run --release -p analysis --example disc -- ../shared/real/*/config.toml
 
+# Coverage of intervals and uniformity of the screen's p-values, with finite elements (docs/reliability.md). Minutes.
+coverage:
+    cargo run --release -p analysis --example coverage -- 200
+
+# Ten million damaged files for the readers, a hundred thousand for the way to a model.
+fuzz:
+    FCT_CASES=2500000 cargo test --release -p input --test robust _panic
+    FCT_CASES=100000 cargo test --release -p workspace-tests --test config_to_model
+
+# Identify, discover and batch killed 67 times each; full disk, vanished directory, two runs on one directory.
+kills:
+    FCT_KILLS=67 cargo test --release -p fct-cli --test killed -- --nocapture
+
 # Licence of every crate that is linked into fct, and crates that come in two versions.
 audit:
     cargo tree --locked -p fct-cli -e normal --prefix none -f '{l}  {p}' | sort -u

@@ -66,13 +66,30 @@ impl Session {
         Ok(Arc::new(case))
     }
 
+    /// A case that is to be fitted: its records must hold what its effects need.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the files; an effect that these records cannot show.
+    pub fn fitted_case(&self, file: &Path) -> Result<Arc<Case>, Failure> {
+        let case = self.case(file)?;
+        let (faults, remarks) = analysis::needs(&case, &self.catalogue);
+        for remark in remarks {
+            self.say(&format!("{}: remark: {remark}", file.display()));
+        }
+        if faults.is_empty() {
+            return Ok(case);
+        }
+        let faults: Vec<String> = faults.iter().map(|f| format!("{}: error: {f}", file.display())).collect();
+        Err(Failure::usage(faults.join("\n")))
+    }
+
     /// The case of a finished identification, with the identified values as its start: what
     /// `compare`, `diagnose` and `discover` continue from.
     ///
     /// # Errors
     /// Everything that is wrong with the files.
     pub fn identified_case(&self, run: &Path) -> Result<Arc<Case>, Failure> {
-        let case = self.case(run)?;
+        let case = self.fitted_case(run)?;
         let Some(answer) = StoredRun::read(run).ok().and_then(|r| r.identify()) else { return Ok(case) };
         let mut case = (*case).clone();
         let values = answer.parameters.iter().map(|p| (p.path.as_str(), p.value));

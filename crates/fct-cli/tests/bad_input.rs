@@ -111,6 +111,32 @@ fn protocols_cannot_be_identified() -> Tested {
 }
 
 #[test]
+fn an_effect_that_the_records_cannot_show() -> Tested {
+    let monotone = strip("[solver]\nstep_mm = 0.5\n[output]\nnoise = 0.005\nfields = false\n")
+        .replace("{ to_mm = 1.0, rate_mm_per_s = 0.05 }, ", "");
+    let folder = folder(&monotone)?;
+    let here = folder.path();
+    assert!(fct(here, &["simulate", "strip.toml", "--quiet"])?.status.success());
+    fs::write(
+        here.join("fit.toml"),
+        format!("{FIT}[effects.fatigue]\na = 0.1\n[effects.lag]\ntau_s = 0.1\n"),
+    )?;
+    for command in ["identify", "discover", "diagnose", "batch"] {
+        let (code, _, stderr) = json(here, &[command, "fit.toml", "--out", "out"])?;
+        assert_eq!(code, 2, "{command}: {stderr}");
+        for part in ["fit.toml: error", "no unloading", "`fatigue`", "add a partial unloading"] {
+            assert!(stderr.contains(part), "{command}: {part} is not in\n{stderr}");
+        }
+        assert!(stderr.contains("remark") && stderr.contains("no pause and one rate"), "{stderr}");
+        assert!(!here.join("out/fit").exists() && !here.join("out/summary.json").exists());
+    }
+    // It can be simulated: nothing has to be told from anything there.
+    let (code, ..) = json(here, &["check", "fit.toml"])?;
+    assert_eq!(code, 0);
+    Ok(())
+}
+
+#[test]
 fn usage_is_checked() -> Tested {
     let folder = folder(&strip(""))?;
     for arguments in [&["frobnicate"][..], &["simulate"], &["simulate", "strip.toml", "--threads", "0"], &[]]

@@ -80,8 +80,8 @@ pub struct Card {
     pub separated_by: &'static str,
     /// Effects that cannot be used together with it.
     pub excludes: &'static [&'static str],
-    /// Segments a record must hold for the effect to be visible at all: `"pause"`, `"two rates"`,
-    /// `"unloading"`, `"tearing"`, `"two tests"`.
+    /// What records must hold for the effect to be visible at all: `"unloading"`, `"tearing"`, `"two tests"`; and
+    /// what they need to tell it well: `"pause or two rates"`.
     pub needs: &'static [&'static str],
     /// How it is screened.
     pub screening: Screening,

@@ -32,8 +32,8 @@ static CARD: Card = Card {
     look_alikes: &["lag"],
     separated_by: "a hold of several τ at constant displacement: a late sensor settles within its delay, tissue relaxes on",
     excludes: &[],
-    // Loops of unloading show it without a pause.
-    needs: &[],
+    // Loops of unloading show it without a pause, but not well.
+    needs: &["pause or two rates"],
     screening: Screening::Score(Sided::Positive),
     negative_control: false,
     breaks_half_height: false,

@@ -27,7 +27,7 @@ static CARD: Card = Card {
     look_alikes: &["bridging", "thickness_taper", "heterogeneity"],
     separated_by: "a change of rate (or a pause) in the middle of the tear",
     excludes: &[],
-    needs: &["tearing"],
+    needs: &["tearing", "pause or two rates"],
     screening: Screening::Score(Sided::Positive),
     negative_control: false,
     breaks_half_height: false,

@@ -15,7 +15,7 @@ static CARD: Card = Card {
     look_alikes: &["viscoelastic"],
     separated_by: "a hold: a late force settles within τ, a viscous one relaxes on; or two rates: the loop of a lag widens with the rate",
     excludes: &[],
-    needs: &[],
+    needs: &["pause or two rates"],
     screening: Screening::Score(Sided::Positive),
     negative_control: false,
     breaks_half_height: false,

@@ -59,7 +59,7 @@ fn places(files: &[PathBuf], base: &Path, session: &Session) -> Vec<Read> {
     files
         .iter()
         .map(|file| {
-            let read = session.case(file).map(|case| {
+            let read = session.fitted_case(file).map(|case| {
                 let name = file_name(&case.name);
                 let count = taken.iter().filter(|t| **t == name).count();
                 taken.push(name.clone());

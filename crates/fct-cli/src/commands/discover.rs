@@ -19,7 +19,7 @@ pub struct Arguments {
 /// # Errors
 /// Bad input, a model that cannot be computed, a directory that cannot be written.
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
-    let case = session.case(&arguments.file)?;
+    let case = session.fitted_case(&arguments.file)?;
     let place = session.place(&case);
     if let Some(run) = session.finished("discover", &case, &place) {
         let text = terminal::discover(&run.answer, session.style());

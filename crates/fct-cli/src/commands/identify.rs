@@ -24,7 +24,7 @@ pub struct Arguments {
 /// # Errors
 /// Bad input, a search that cannot begin, a directory that cannot be written.
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
-    let case = session.case(&arguments.file)?;
+    let case = session.fitted_case(&arguments.file)?;
     let place = session.place(&case);
     let progress = session.progress(&case.name);
     let (answer, place) = identify(&case, &place, session, &progress)?;
