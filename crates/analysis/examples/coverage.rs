@@ -13,6 +13,9 @@ use inverse::{Problem, Random};
 use model::{Discretisation, Model};
 use nalgebra::DVector;
 use rayon::prelude::*;
+use statrs::distribution::Uniform;
+use statrs::stats_tests::NaNPolicy;
+use statrs::stats_tests::ks_test::{KSOneSampleAlternativeMethod, ks_onesample};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
@@ -174,16 +177,13 @@ fn repeat(
     Said { holds, p_values, alarm: screen.findings.iter().any(|f| f.significant) }
 }
 
-/// Kolmogorov–Smirnov p-value (asymptotic, Stephens' correction) that the p-values below `top` are uniform there.
+/// Number of p-values below `top`, and the Kolmogorov–Smirnov p-value that they are uniform there.
 fn ks(p: &[f64], top: f64) -> (usize, f64) {
-    let mut x: Vec<f64> = p.iter().filter(|&&v| v < top).map(|v| v / top).collect();
-    x.sort_by(f64::total_cmp);
-    let n = x.len() as f64;
-    let apart = |(i, v): (usize, &f64)| (v - i as f64 / n).abs().max(((i + 1) as f64 / n - v).abs());
-    let d = x.iter().enumerate().map(apart).fold(0.0, f64::max);
-    let z = (n.sqrt() + 0.12 + 0.11 / n.sqrt()) * d;
-    let term = |k: i32| (if k % 2 == 1 { 2.0 } else { -2.0 }) * (-2.0 * (f64::from(k) * z).powi(2)).exp();
-    (x.len(), (1..100).map(term).sum::<f64>().clamp(0.0, 1.0))
+    let below: Vec<f64> = p.iter().copied().filter(|&v| v < top).collect();
+    let uniform = Uniform::new(0.0, top).expect("an interval");
+    let method = KSOneSampleAlternativeMethod::TwoSidedAsymptotic;
+    let n = below.len();
+    (n, ks_onesample(below, &uniform, method, NaNPolicy::Error).map_or(f64::NAN, |(_, p)| p))
 }
 
 fn main() {

@@ -21,7 +21,7 @@ pub use identify::{
     AnalysisError, Control, HistoryEntry, Identified, Progress, Stage, frees, identify, run_options,
 };
 pub use ladder::{FeLadder, Fitted};
-pub use needs::needs;
+pub use needs::{Need, needs};
 pub use problem::{Cancelled, FeProblem};
 pub use simulate::{SimulateControl, Simulated, SimulatedTest, replay, simulate};
 pub use start::start_at;

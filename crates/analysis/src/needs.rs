@@ -1,6 +1,6 @@
 //! What the effects of a config need their records to hold.
 
-use input::{Case, TestKind};
+use input::{Case, Location, TestKind};
 use model::{Card, Catalogue, Corner, corners_of_record};
 
 /// Travel below this share of a record's range is no leg of its own.
@@ -9,32 +9,32 @@ const STILL: f64 = 0.01;
 /// Rates that differ by this factor are two.
 const TWO_RATES: f64 = 1.3;
 
+/// Where an effect stands in its file, and what its records lack.
+pub type Need = (Location, String);
+
 /// What the records of a case hold.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Holds {
     tests: usize,
     tearing: bool,
     unloading: bool,
     pause: bool,
-    two_rates: bool,
+    /// Slowest and fastest leg, mm/s.
+    rates: Option<(f64, f64)>,
 }
 
 impl Holds {
     fn of(case: &Case) -> Self {
         let mut holds = Self::default();
-        let mut rates: Vec<f64> = Vec::new();
         for (test, record) in case.tests.iter().filter_map(|t| t.record.as_ref().map(|r| (t, r))) {
             holds.tests += 1;
             holds.tearing |= test.kind == TestKind::Tearing;
-            holds.add(&corners_of_record(record), &mut rates);
+            holds.add(&corners_of_record(record));
         }
-        let fastest = rates.iter().copied().fold(0.0, f64::max);
-        let slowest = rates.iter().copied().fold(f64::INFINITY, f64::min);
-        holds.two_rates = fastest > TWO_RATES * slowest;
         holds
     }
 
-    fn add(&mut self, corners: &[Corner], rates: &mut Vec<f64>) {
+    fn add(&mut self, corners: &[Corner]) {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for c in corners {
             (low, high) = (low.min(c.displacement), high.max(c.displacement));
@@ -45,9 +45,15 @@ impl Holds {
                 self.pause |= time > 0.0;
             } else if time > 0.0 {
                 self.unloading |= travel < 0.0;
-                rates.push(travel.abs() / time);
+                let rate = travel.abs() / time;
+                let (slowest, fastest) = self.rates.unwrap_or((rate, rate));
+                self.rates = Some((slowest.min(rate), fastest.max(rate)));
             }
         }
+    }
+
+    fn two_rates(&self) -> bool {
+        self.rates.is_some_and(|(slowest, fastest)| fastest > TWO_RATES * slowest)
     }
 
     /// What of the records an effect lacks, and what to add; `None` where a need is met.
@@ -56,7 +62,7 @@ impl Holds {
             "tearing" if !self.tearing => Some(("no tearing test", "a tearing test")),
             "unloading" if !self.unloading => Some(("no unloading", "a partial unloading and a reloading")),
             "two tests" if self.tests < 2 => Some(("one test", "a second test of another kind")),
-            "pause or two rates" if !self.pause && !self.two_rates => {
+            "pause or two rates" if !self.pause && !self.two_rates() => {
                 Some(("no pause and one rate", "a hold, or a leg at another rate"))
             }
             _ => None,
@@ -73,16 +79,17 @@ fn sentence(card: &Card, holds: &str, add: &str) -> String {
     format!("these records hold {holds}: `{}` cannot be told from {rivals}; add {add}", card.name)
 }
 
-/// Effects of a case that its records cannot show (faults) or hardly tell from others (remarks), as sentences.
-pub fn needs(case: &Case, catalogue: &Catalogue) -> (Vec<String>, Vec<String>) {
+/// Effects of a case that its records cannot show (faults) or hardly tell from others (remarks): where each stands in
+/// the file, and a sentence.
+pub fn needs(case: &Case, catalogue: &Catalogue) -> (Vec<Need>, Vec<Need>) {
     let holds = Holds::of(case);
     let (mut faults, mut remarks) = (Vec::new(), Vec::new());
-    for card in case.effects.iter().filter_map(|e| catalogue.get(&e.name)).map(|e| e.card()) {
-        for need in card.needs {
+    for (config, effect) in case.effects.iter().filter_map(|e| catalogue.get(&e.name).map(|f| (e, f))) {
+        for need in effect.card().needs {
             if let Some((what, add)) = holds.lacks(need) {
                 // One rate still makes loops of unloading; without a tear there is nothing at all.
                 let list = if *need == "pause or two rates" { &mut remarks } else { &mut faults };
-                list.push(sentence(card, what, add));
+                list.push((config.location.clone(), sentence(effect.card(), what, add)));
             }
         }
     }
@@ -96,9 +103,8 @@ mod tests {
     fn holds(legs: &[(f64, f64)]) -> Holds {
         let corners: Vec<Corner> =
             legs.iter().map(|&(time, displacement)| Corner { time, displacement }).collect();
-        let (mut holds, mut rates) = (Holds { tests: 1, ..Holds::default() }, Vec::new());
-        holds.add(&corners, &mut rates);
-        holds.two_rates = rates.iter().any(|a| rates.iter().any(|b| a > &(TWO_RATES * b)));
+        let mut holds = Holds { tests: 1, ..Holds::default() };
+        holds.add(&corners);
         holds
     }
 

@@ -8,6 +8,9 @@ use inverse::{Data, Free, Noise, NoiseModel, Prediction, Random, Whitened};
 use nalgebra::{DMatrix, DVector};
 use params::Transform;
 use proptest::prelude::*;
+use statrs::distribution::Uniform;
+use statrs::stats_tests::NaNPolicy;
+use statrs::stats_tests::ks_test::{KSOneSampleAlternativeMethod, ks_onesample};
 
 const N: usize = 120;
 const REPEATS: u64 = 1000;
@@ -75,21 +78,13 @@ fn misfit(y: &DVector<f64>, noise: NoiseModel) -> (Data, Whitened) {
     (data, white)
 }
 
-/// Kolmogorov–Smirnov p-value (asymptotic, Stephens' correction) that `p` is uniform on (0, top).
+/// Kolmogorov–Smirnov p-value that `p` is uniform on (0, top).
 fn ks(p: &[f64], top: f64) -> f64 {
-    let mut x: Vec<f64> = p.iter().filter(|&&v| v < top).map(|v| v / top).collect();
-    x.sort_by(f64::total_cmp);
-    let n = x.len() as f64;
-    let d = x
-        .iter()
-        .enumerate()
-        .map(|(i, v)| (v - i as f64 / n).abs().max(((i + 1) as f64 / n - v).abs()))
-        .fold(0.0, f64::max);
-    let z = (n.sqrt() + 0.12 + 0.11 / n.sqrt()) * d;
-    let sum: f64 = (1..100)
-        .map(|k| (if k % 2 == 1 { 2.0 } else { -2.0 }) * (-2.0 * (f64::from(k) * z).powi(2)).exp())
-        .sum();
-    sum.clamp(0.0, 1.0)
+    let below: Vec<f64> = p.iter().copied().filter(|&v| v < top).collect();
+    let uniform = Uniform::new(0.0, top).unwrap();
+    ks_onesample(below, &uniform, KSOneSampleAlternativeMethod::TwoSidedAsymptotic, NaNPolicy::Error)
+        .unwrap()
+        .1
 }
 
 fn check_uniform(noise: NoiseModel, label: &str, seed: u64) {

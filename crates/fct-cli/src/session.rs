@@ -73,13 +73,13 @@ impl Session {
     pub fn fitted_case(&self, file: &Path) -> Result<Arc<Case>, Failure> {
         let case = self.case(file)?;
         let (faults, remarks) = analysis::needs(&case, &self.catalogue);
-        for remark in remarks {
-            self.say(&format!("{}: remark: {remark}", file.display()));
+        for (place, remark) in remarks {
+            self.say(&format!("{place}: remark: {remark}"));
         }
         if faults.is_empty() {
             return Ok(case);
         }
-        let faults: Vec<String> = faults.iter().map(|f| format!("{}: error: {f}", file.display())).collect();
+        let faults: Vec<String> = faults.iter().map(|(place, f)| format!("{place}: error: {f}")).collect();
         Err(Failure::usage(faults.join("\n")))
     }
 

@@ -124,7 +124,7 @@ fn an_effect_that_the_records_cannot_show() -> Tested {
     for command in ["identify", "discover", "diagnose", "batch"] {
         let (code, _, stderr) = json(here, &[command, "fit.toml", "--out", "out"])?;
         assert_eq!(code, 2, "{command}: {stderr}");
-        for part in ["fit.toml: error", "no unloading", "`fatigue`", "add a partial unloading"] {
+        for part in ["fit.toml:13:10: error", "no unloading", "`fatigue`", "add a partial unloading"] {
             assert!(stderr.contains(part), "{command}: {part} is not in\n{stderr}");
         }
         assert!(stderr.contains("remark") && stderr.contains("no pause and one rate"), "{stderr}");

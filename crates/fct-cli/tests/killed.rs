@@ -8,7 +8,7 @@ use common::{Tested, json, synthetic, timeless};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 fn kills() -> u32 {
@@ -27,15 +27,20 @@ const COMMANDS: [&[&str]; 3] = [
     &["batch", "fit.toml", "fit.toml", "--out", "run", "--threads", "1"],
 ];
 
-/// Starts the command and kills it after a time; whether it was still running.
-fn killed(folder: &Path, arguments: &[&str], after: Duration) -> Result<bool, Box<dyn std::error::Error>> {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_fct"))
+/// Starts the command.
+fn started(folder: &Path, arguments: &[&str]) -> std::io::Result<Child> {
+    Command::new(env!("CARGO_BIN_EXE_fct"))
         .args(arguments)
-        .args(["--quiet"])
+        .arg("--json")
         .current_dir(folder)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()?;
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+}
+
+/// Kills the command after a time; whether it was still running.
+fn killed(folder: &Path, arguments: &[&str], after: Duration) -> Result<bool, Box<dyn std::error::Error>> {
+    let mut child = started(folder, &[arguments, &["--quiet"]].concat())?;
     std::thread::sleep(after);
     let running = child.try_wait()?.is_none();
     child.kill()?;
@@ -43,8 +48,9 @@ fn killed(folder: &Path, arguments: &[&str], after: Duration) -> Result<bool, Bo
     Ok(running)
 }
 
-/// Every run directory below `run` that is there at all is whole: its JSON reads, and a report can be made of it.
-fn assert_readable(folder: &Path) -> Tested {
+/// Every run directory below `run` that is there is whole: its JSON reads, and a report can be made of it. How many.
+fn readable(folder: &Path) -> Result<usize, Box<dyn std::error::Error>> {
+    let mut count = 0;
     let run = folder.join("run");
     let below = fs::read_dir(&run).into_iter().flatten().filter_map(|e| e.ok().map(|e| e.path()));
     for place in below.chain([run.clone()]).filter(|p| p.join("run.toml").is_file()) {
@@ -56,8 +62,9 @@ fn assert_readable(folder: &Path) -> Tested {
         assert_eq!(summary["schema"], 1, "{}", place.display());
         let (code, _, stderr) = json(folder, &["report", &place.to_string_lossy()])?;
         assert_eq!(code, 0, "{stderr}");
+        count += 1;
     }
-    Ok(())
+    Ok(count)
 }
 
 #[test]
@@ -69,11 +76,26 @@ fn killed_runs_leave_nothing_broken_and_resume_to_the_same_bits() -> Tested {
         let took = started.elapsed();
         assert_eq!(code, 0, "{arguments:?}: {stderr}");
         let whole = timeless(whole);
-        let mut caught = 0;
-        for share in moments(kills()) {
+        let (mut caught, whole_runs) = (0, readable(reference.path())?);
+        assert!(whole_runs > 0);
+        for (k, share) in moments(kills()).enumerate() {
             let folder = synthetic()?;
+            // Every second time there is an earlier run in the place: that, or the new one, stays whole.
+            let earlier = k % 2 == 1;
+            if earlier {
+                let copied = Command::new("cp")
+                    .arg("-r")
+                    .arg(reference.path().join("run"))
+                    .arg(folder.path())
+                    .status()?;
+                assert!(copied.success());
+            }
             caught += u32::from(killed(folder.path(), arguments, took.mul_f64(share))?);
-            assert_readable(folder.path())?;
+            let found = readable(folder.path())?;
+            assert!(
+                !earlier || found == whole_runs,
+                "killed at {share:.3}: {found} of {whole_runs} runs are left"
+            );
             let (code, again, stderr) = json(folder.path(), &[arguments, &["--resume"]].concat())?;
             assert_eq!(code, 0, "{arguments:?} killed at {share:.3}: {stderr}");
             assert_eq!(timeless(again), whole, "{arguments:?} killed at {share:.3}");
@@ -92,12 +114,7 @@ fn two_runs_on_one_directory() -> Tested {
     let folder = synthetic()?;
     let here = folder.path();
     fs::write(here.join("fit.toml"), common::FIT.replace("[8, 8, 1]", "[24, 24, 2]"))?;
-    let mut first = Command::new(env!("CARGO_BIN_EXE_fct"))
-        .args(["identify", "fit.toml", "--out", "run", "--quiet"])
-        .current_dir(here)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()?;
+    let mut first = started(here, &["identify", "fit.toml", "--out", "run", "--quiet"])?;
     while !here.join(".run.part").exists() && first.try_wait()?.is_none() {
         std::thread::sleep(Duration::from_millis(5));
     }
@@ -115,12 +132,7 @@ fn a_directory_that_vanishes_under_a_run() -> Tested {
     let folder = synthetic()?;
     let here = folder.path();
     fs::write(here.join("fit.toml"), common::FIT.replace("[8, 8, 1]", "[16, 16, 1]"))?;
-    let child = Command::new(env!("CARGO_BIN_EXE_fct"))
-        .args(["identify", "fit.toml", "--out", "runs/deep/run", "--json"])
-        .current_dir(here)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()?;
+    let child = started(here, &["identify", "fit.toml", "--out", "runs/deep/run"])?;
     while !here.join("runs/deep/.run.part/state.json").exists() {
         std::thread::sleep(Duration::from_millis(5));
     }

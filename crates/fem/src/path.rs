@@ -15,9 +15,6 @@ const MOST_STEPS: usize = 4000;
 /// A jump is followed for its end, not for its shape: steps this many times longer than those of a traced path.
 const BOLD: f64 = 2.0;
 
-/// Steps before a jump is given up: the snap-back of the peers takes about 150.
-const MOST_JUMP_STEPS: usize = 800;
-
 /// Unit tangent (actuator, mean opening) of the path at a converged state.
 fn tangent(m: &March, border: &Border, state: &State) -> [f64; 2] {
     let mut scratch = m.state.history.train.clone();
@@ -178,7 +175,7 @@ pub(crate) fn jump(m: &mut March, to: f64, length: f64, dt: f64) -> Result<(), F
     let mut farthest = before.actuator;
     let mut released = 0.0;
     let mut turned = false;
-    for _ in 0..MOST_JUMP_STEPS {
+    for _ in 0..m.options.jump_steps {
         let (u0, f0) = (m.state.actuator, m.state.force);
         // Stand exactly at the limit rather than step past it: δ_max would remember the overshoot.
         let forward = walk.tangent[0] * direction;

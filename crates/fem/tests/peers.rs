@@ -159,6 +159,34 @@ fn peers_snap_back_passed_by_a_jump() {
     assert!(run.steps.iter().all(|s| s.negative_pivots == 0), "no unstable state is an answer of the rig");
 }
 
+/// A walk that is given up too early is taken back, derivatives and all: what was solved by then, and the cut steps
+/// after it, are those of a run whose plan stops there.
+#[test]
+fn a_walk_that_leads_nowhere_is_taken_back() {
+    let (problem, theta) = snap_back();
+    let problem = Arc::new(problem);
+    let run = |targets: &[Target], options: MarchOptions| -> Run {
+        let mut chunks = columns_for(&problem, &theta, &[0, 9, 10]);
+        let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c as _).collect();
+        let mut system = System::new(&problem).unwrap();
+        march(&problem, &theta, &mut system, None, targets, &mut columns, &NoObserver, options, None, &|| {
+            false
+        })
+    };
+    let lost = run(&plan(ramp(0.0, 8.0, 20)), MarchOptions { jump_steps: 3, ..shipped() });
+    assert!(lost.failure.is_some() && lost.jumps.is_empty());
+    let last = lost.steps.last().unwrap();
+    let until: Vec<f64> = ramp(0.0, 8.0, 20).filter(|u| *u < last.actuator).chain([last.actuator]).collect();
+    assert!(last.target.is_none() && (last.actuator / 3.092 - 1.0).abs() < 0.01, "{last:?}");
+    let there = run(&plan(until), shipped());
+    assert!(there.failure.is_none(), "{:?}", there.failure);
+    let same = there.steps.last().unwrap();
+    assert!((last.force / same.force - 1.0).abs() < 1e-6, "{} {}", last.force, same.force);
+    let worst = worst(&last.derivatives.force, &same.derivatives.force);
+    println!("taken back: at {:.4} mm, derivatives differ by {worst:.1e}", last.actuator);
+    assert!(worst < 1e-4, "{worst:e}");
+}
+
 /// Energy between a followed path and the vertical line at `u`, and the force where the path comes
 /// back to `u`: trapezoids on the printed points, independent of the ledger.
 fn area_behind(run: &Run, u: f64) -> (f64, f64) {

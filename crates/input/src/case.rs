@@ -5,6 +5,7 @@ use crate::config::{
 };
 use crate::diagnostics::Diagnostic;
 use serde::Serialize;
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// A specimen with its tests and the configuration of the run: everything a command needs to start.
@@ -231,4 +232,11 @@ pub struct Location {
     pub line: usize,
     /// Column in characters, from 1.
     pub column: usize,
+}
+
+impl fmt::Display for Location {
+    /// `file:line:column`, as compilers write it.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}:{}", self.file.display(), self.line, self.column)
+    }
 }

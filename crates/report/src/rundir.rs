@@ -202,6 +202,19 @@ mod tests {
     }
 
     #[test]
+    fn a_run_killed_between_its_last_two_moves_loses_nothing() -> Result<(), Box<dyn std::error::Error>> {
+        let folder = tempfile::tempdir()?;
+        let place = folder.path().join("run");
+        fs::create_dir(sibling(&place, "old"))?;
+        fs::write(sibling(&place, "old").join("run.toml"), "earlier")?;
+        fs::create_dir(sibling(&place, "part"))?;
+        drop(RunDir::begin(&place)?);
+        assert_eq!(fs::read_to_string(place.join("run.toml"))?, "earlier");
+        assert_eq!(fs::read_dir(folder.path())?.count(), 1);
+        Ok(())
+    }
+
+    #[test]
     fn a_directory_of_the_user_is_left_alone() -> Result<(), Box<dyn std::error::Error>> {
         let folder = tempfile::tempdir()?;
         fs::write(folder.path().join("thesis.tex"), "")?;

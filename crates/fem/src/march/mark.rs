@@ -10,6 +10,7 @@ pub(super) struct Mark {
     states: usize,
     gradients: usize,
     train_energy: f64,
+    floors: [f64; 2],
 }
 
 impl March<'_> {
@@ -24,6 +25,7 @@ impl March<'_> {
             states: self.run.states.len(),
             gradients: self.run.gradients.len(),
             train_energy: self.train_energy,
+            floors: [self.force_floor, self.largest_force],
         }
     }
 
@@ -34,6 +36,7 @@ impl March<'_> {
         }
         self.state = mark.state;
         self.train_energy = mark.train_energy;
+        [self.force_floor, self.largest_force] = mark.floors;
         self.run.steps.truncate(mark.steps);
         self.run.states.truncate(mark.states);
         self.run.path_histories.truncate(mark.states);

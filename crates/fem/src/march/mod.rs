@@ -173,8 +173,9 @@ impl March<'_> {
         }
     }
 
-    /// After a failed step, whether the run went on along the path: where it steepens towards a limit point, and
-    /// where shorter steps (`tired` of them) are no way any more. `lost`: a walk has led nowhere before.
+    /// After a failed step (actuator `step`, time `dt`), whether the run went on along the path: where it steepens
+    /// towards a limit point, and where shorter steps are no way any more (`tired`). `lost`: a walk has led nowhere
+    /// before.
     fn walked(
         &mut self,
         failed: FemError,
@@ -187,22 +188,19 @@ impl March<'_> {
         if step == 0.0 || tired && self.problem.path.is_none() {
             return Err(blame(failed, self.state.actuator, step.abs()));
         }
-        if tired {
-            return path::jump(self, target.actuator, step.abs(), dt)
-                .map(|()| true)
-                .map_err(|why| blame(why, self.state.actuator, step.abs()));
-        }
-        if *lost || !path::limit_ahead(self, step) {
+        if !tired && (*lost || !path::limit_ahead(self, step)) {
             return Ok(false);
         }
         let mark = self.mark();
-        let walked = path::jump(self, target.actuator, step.abs(), dt);
-        if walked.is_err() {
-            // Too early: shorter steps may still find the way.
-            self.back_to(mark);
-            *lost = true;
+        let Err(why) = path::jump(self, target.actuator, step.abs(), dt) else { return Ok(true) };
+        // What was walked is no answer of the rig.
+        self.back_to(mark);
+        if tired {
+            return Err(blame(why, self.state.actuator, step.abs()));
         }
-        Ok(walked.is_ok())
+        // Too early: shorter steps may still find the way.
+        *lost = true;
+        Ok(false)
     }
 
     pub(crate) fn mean_opening(&self, u: &[f64]) -> f64 {

@@ -39,6 +39,8 @@ pub struct MarchOptions {
     pub keep_gradients: bool,
     /// Arc length of a path step, mm (path control, and the passage of a jump).
     pub arc_step: f64,
+    /// Steps along the path before a jump is given up; the snap-back of the peers takes about 150.
+    pub jump_steps: usize,
     /// Follow the equilibrium path instead of standing at planned displacements.
     pub follow_path: bool,
     /// Newton iterations after which a run is given up (a search need not wait for a hopeless
@@ -56,6 +58,7 @@ impl Default for MarchOptions {
             keep_states: false,
             keep_gradients: false,
             arc_step: 0.05,
+            jump_steps: 800,
             follow_path: false,
             budget: usize::MAX,
         }
