@@ -56,15 +56,14 @@ audit:
     cargo tree --locked -p fct-cli -e normal --prefix none -f '{l}  {p}' | sort -u
     cargo tree --locked -p fct-cli -e normal --duplicates
 
-# Writes docs/catalogue.md from the cards of the effects.
-catalogue:
-    cargo run -p effects --example page > docs/catalogue.md.new
-    mv docs/catalogue.md.new docs/catalogue.md
-
 # The report in a real browser (Chromium): rungs clicked, points hovered, numbers checked.
 browser:
     cargo test -p fct-cli --test browser -- --ignored --nocapture
 
-# The reference pages of the book that are made from the program: keys and JSON schema.
+# The pages that are made from the program: keys, JSON schema, catalogue of effects.
 book:
     UPDATE=1 cargo test -p fct-cli --test reference
+
+# The manual as a web site in target/book; needs `cargo install mdbook`.
+book-html:
+    mdbook build docs/book

@@ -3,6 +3,7 @@
 use crate::compare::{self, Where};
 use crate::identify::AnalysisError;
 use crate::ladder::FeLadder;
+use crate::parsimony::OneStrength;
 use crate::problem::Cancelled;
 use diagnose::{Discovery, Finding, Policy, Rung, Screen, Verdict};
 use input::Case;
@@ -98,6 +99,9 @@ pub struct DiscoverAnswer {
     /// Where the base model fails.
     #[serde(rename = "where")]
     pub place: Vec<Where>,
+    /// Models with one strength along the path, where the case has many areas (discover only).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub one_strength: Option<OneStrength>,
     /// What would separate the rivals.
     pub next_test: Option<NextTest>,
     /// Forward runs.
@@ -150,7 +154,7 @@ fn word(v: Verdict) -> &'static str {
     }
 }
 
-fn ladder_row(l: &FeLadder, r: &Rung) -> LadderRow {
+pub(crate) fn ladder_row(l: &FeLadder, r: &Rung) -> LadderRow {
     let fitted = l.rungs.get(&FeLadder::key(&r.effects));
     let values = fitted.map_or_else(BTreeMap::new, |f| {
         f.free.iter().map(|&i| (f.model.parameters[i].path.clone(), f.theta[i])).collect()
@@ -206,7 +210,7 @@ pub fn diagnose(
         (_, Some(_)) => "ambiguous",
         (false, None) => "unexplained",
     };
-    let mut words = vec![diagnose::words::place(&compare::atlas_of(&ladder))];
+    let mut words = vec![compare::place_in_words(&compare::residuals_of(&ladder))];
     let shown = called.iter().take(3).map(|f| in_file_units(f, catalogue));
     words.extend(shown.map(|f| diagnose::words::finding(&f, &policy)));
     words.push(
@@ -235,7 +239,8 @@ fn answer(ladder: &FeLadder, screen: &Screen, start: Instant, policy: &Policy) -
         groups: Vec::new(),
         verdict: String::new(),
         words: Vec::new(),
-        place: compare::places(ladder),
+        place: compare::places(&compare::residuals_of(ladder)),
+        one_strength: None,
         next_test: None,
         forward_runs: ladder.runs(),
         seconds: start.elapsed().as_secs_f64(),

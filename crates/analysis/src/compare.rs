@@ -1,14 +1,15 @@
-//! How far off a fitted model is, and where.
+//! Where a model is off: segments of the records, position of the tear, what the misfit depends on.
 
-use crate::identify::AnalysisError;
 use crate::ladder::FeLadder;
-use crate::problem::Cancelled;
-use diagnose::atlas::SegmentMisfit;
-use diagnose::{Policy, RecordKind, Segment};
-use input::{Case, Record, Test, TestKind};
-use model::{Catalogue, Channel};
-use serde::Serialize;
-use std::sync::Arc;
+use diagnose::atlas::{SegmentMisfit, atlas, atlas_by};
+use diagnose::dependence::{Variable, dependence, protocol_variables};
+use diagnose::{RecordKind, Segment, words};
+use input::{Record, Test, TestKind};
+use model::Channel;
+use serde::{Deserialize, Serialize};
+
+/// Stretches of the tear path that are told apart.
+const STRETCHES: usize = 8;
 
 /// The segments of a test's record.
 pub fn segments(test: &Test, record: &Record) -> Vec<Segment> {
@@ -19,8 +20,35 @@ pub fn segments(test: &Test, record: &Record) -> Vec<Segment> {
     diagnose::segments::cut(&record.time, &record.displacement, &record.force, kind)
 }
 
+/// The misfit of one test's force record, one entry per point.
+#[derive(Clone, Debug, Default)]
+pub struct Residuals {
+    /// Test.
+    pub test: String,
+    /// Time, s.
+    pub time: Vec<f64>,
+    /// Actuator displacement, mm.
+    pub displacement: Vec<f64>,
+    /// Measured force, N.
+    pub force: Vec<f64>,
+    /// Measured minus computed force, N.
+    pub misfit: Vec<f64>,
+    /// Noise sd of one point, N.
+    pub noise: f64,
+    /// Segments of the record.
+    pub segments: Vec<Segment>,
+    /// The model's tear front, mm; empty for an intact strip.
+    pub tear_front: Vec<f64>,
+}
+
+impl Residuals {
+    fn chi2(&self) -> f64 {
+        self.misfit.iter().map(|r| (r / self.noise.max(f64::MIN_POSITIVE)).powi(2)).sum()
+    }
+}
+
 /// A segment's share of the whole misfit.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Where {
     /// Test.
     pub test: String,
@@ -35,52 +63,25 @@ pub struct Where {
     pub autocorrelation: f64,
 }
 
-/// Whitened force misfits of each test at the base fit, with the test's index.
-fn force_misfits(l: &FeLadder) -> Vec<(usize, f64, Vec<f64>)> {
-    let Some(base) = l.rungs.get(&Vec::new()) else { return Vec::new() };
-    let misfit = l.measured.data.misfit(&base.fit.prediction.values);
-    l.measured
-        .slots
-        .iter()
-        .zip(&l.measured.data.blocks)
-        .filter(|(s, _)| s.channel == Channel::Force)
-        .map(|(s, b)| (s.test, b.noise.sd, b.range.clone().map(|i| misfit[i]).collect()))
-        .collect()
-}
-
-/// The residual atlas of the base fit, tests joined; shares count χ².
-pub(crate) fn atlas_of(l: &FeLadder) -> Vec<SegmentMisfit> {
-    let mut all = Vec::new();
-    for (t, _, misfit) in force_misfits(l) {
-        let test = &l.case().tests[t];
-        if let Some(r) = &test.record {
-            all.extend(diagnose::atlas::atlas(&misfit, &segments(test, r)));
-        }
-    }
-    all
-}
-
-/// Where the base model fails, largest share first.
-pub(crate) fn places(l: &FeLadder) -> Vec<Where> {
-    let blocks = force_misfits(l);
-    let total: f64 = blocks.iter().map(|(_, sd, m)| m.iter().map(|r| (r / sd).powi(2)).sum::<f64>()).sum();
-    let mut out = Vec::new();
-    for (t, sd, misfit) in &blocks {
-        let test = &l.case().tests[*t];
-        let Some(r) = &test.record else { continue };
-        let own: f64 = misfit.iter().map(|r| (r / sd).powi(2)).sum();
-        for s in diagnose::atlas::atlas(misfit, &segments(test, r)) {
-            out.push(Where {
-                test: test.name.clone(),
-                segment: s.segment,
-                share: s.share * own / total.max(f64::MIN_POSITIVE),
-                mean_n: s.mean,
-                autocorrelation: s.autocorrelation,
-            });
-        }
-    }
-    out.sort_by(|a, b| b.share.total_cmp(&a.share));
-    out
+/// A stretch of the tear path: the misfit while the model's tear front stood there.
+#[derive(Clone, Debug, Serialize)]
+pub struct AlongTear {
+    /// Test.
+    pub test: String,
+    /// Ends of the stretch, mm; equal for the points before the tear moves.
+    pub from_mm: f64,
+    /// See `from_mm`.
+    pub to_mm: f64,
+    /// Points of the record.
+    pub points: usize,
+    /// Share of χ² over all tests.
+    pub share: f64,
+    /// Root mean square misfit, N.
+    #[serde(rename = "rms_N")]
+    pub rms_n: f64,
+    /// Mean misfit, N: positive where the measurement lies above the model.
+    #[serde(rename = "mean_N")]
+    pub mean_n: f64,
 }
 
 /// What a misfit depends on, beyond the other variables.
@@ -94,95 +95,103 @@ pub struct DependsOn {
     pub share: f64,
 }
 
-/// One test's distance from the model.
-#[derive(Clone, Debug, Serialize)]
-pub struct TestRow {
-    /// Test (and channel).
-    pub name: String,
-    /// Points.
-    pub points: usize,
-    /// Root mean square misfit, unit of the channel.
-    pub rms: f64,
-    /// Noise of one point, same unit.
-    pub noise: f64,
-    /// Reduced χ² with the record's noise alone.
-    pub reduced_chi2: f64,
-    /// The same with the model's numerical error.
-    pub reduced_chi2_total: f64,
+/// Rows of all tests with shares of χ² over all of them, largest first.
+pub fn located(all: &[Residuals]) -> Vec<(String, SegmentMisfit)> {
+    let total: f64 = all.iter().map(Residuals::chi2).sum();
+    let mut out: Vec<(String, SegmentMisfit)> = all
+        .iter()
+        .flat_map(|r| {
+            let own = r.chi2() / total.max(f64::MIN_POSITIVE);
+            let rows = atlas(&r.misfit, &r.segments).into_iter();
+            rows.map(move |s| (r.test.clone(), SegmentMisfit { share: s.share * own, ..s }))
+        })
+        .collect();
+    out.sort_by(|a, b| b.1.share.total_cmp(&a.1.share));
+    out
 }
 
-/// Answer of `fct compare`.
-#[derive(Clone, Debug, Serialize)]
-pub struct CompareAnswer {
-    /// Version of this answer's form.
-    pub schema: u32,
-    /// Specimen.
-    pub specimen: String,
-    /// Per test.
-    pub tests: Vec<TestRow>,
-    /// Reduced χ² over everything, numerical error included.
-    pub reduced_chi2_total: f64,
-    /// Whether the misfit is at the noise floor.
-    pub explained: bool,
-    /// Where the misfit sits.
-    #[serde(rename = "where")]
-    pub place: Vec<Where>,
-    /// What it depends on.
-    pub depends_on: Vec<DependsOn>,
-    /// In words.
-    pub words: Vec<String>,
+/// Where the misfit sits, largest share first.
+pub fn places(all: &[Residuals]) -> Vec<Where> {
+    located(all)
+        .into_iter()
+        .map(|(test, s)| Where {
+            test,
+            segment: s.segment,
+            share: s.share,
+            mean_n: s.mean,
+            autocorrelation: s.autocorrelation,
+        })
+        .collect()
 }
 
-/// Compares the identified model with the records.
-///
-/// # Errors
-/// [`AnalysisError`].
-pub fn compare(
-    case: Arc<Case>,
-    catalogue: &Catalogue,
-    progress: &(dyn Fn(&str) + Sync),
-    cancelled: Cancelled,
-) -> Result<CompareAnswer, AnalysisError> {
-    let policy = Policy::default();
-    let mut l = FeLadder::new(case.clone(), catalogue, policy.clone(), progress, cancelled)?;
-    let rung = diagnose::Ladder::fit(&mut l, &[], &diagnose::Hints::new())?;
-    let mut depends_on = Vec::new();
-    let mut words = vec![diagnose::words::place(&atlas_of(&l))];
-    for (t, _, misfit) in force_misfits(&l) {
-        let test = &case.tests[t];
-        let Some(r) = &test.record else { continue };
+/// The same in a sentence.
+pub fn place_in_words(all: &[Residuals]) -> String {
+    let named =
+        |(test, s): (String, SegmentMisfit)| SegmentMisfit { segment: format!("{test}, {}", s.segment), ..s };
+    words::place(&located(all).into_iter().map(named).collect::<Vec<_>>())
+}
+
+/// The misfit by the position of the tear front, from the cut on.
+pub fn along_the_tear(all: &[Residuals]) -> Vec<AlongTear> {
+    let total: f64 = all.iter().map(Residuals::chi2).sum();
+    let mut out = Vec::new();
+    for r in all.iter().filter(|r| r.tear_front.len() == r.misfit.len()) {
+        let own = r.chi2() / total.max(f64::MIN_POSITIVE);
+        out.extend(atlas_by(&r.misfit, &r.tear_front, STRETCHES).into_iter().map(|([from, to], s)| {
+            AlongTear {
+                test: r.test.clone(),
+                from_mm: from,
+                to_mm: to,
+                points: s.points,
+                share: s.share * own,
+                rms_n: s.rms,
+                mean_n: s.mean,
+            }
+        }));
+    }
+    out
+}
+
+/// What the misfit of each test depends on, and the same in sentences.
+pub fn depends_on(all: &[Residuals]) -> (Vec<DependsOn>, Vec<String>) {
+    let (mut out, mut sentences) = (Vec::new(), Vec::new());
+    for r in all {
         let turns = diagnose::segments::breaks(&r.time, &r.displacement);
-        let variables = diagnose::dependence::protocol_variables(&r.time, &r.displacement, &r.force, &turns);
-        let rows = diagnose::dependence::dependence(&misfit, &variables);
-        words.push(format!("{}: {}", test.name, diagnose::words::depends(&rows)));
-        depends_on.extend(rows.iter().map(|d| DependsOn {
-            test: test.name.clone(),
-            variable: d.variable.clone(),
+        let mut variables = protocol_variables(&r.time, &r.displacement, &r.force, &turns);
+        if !r.tear_front.is_empty() {
+            variables.push(Variable::new("position of the tear front", r.tear_front.clone()));
+        }
+        let rows = dependence(&r.misfit, &variables);
+        sentences.push(format!("{}: {}", r.test, words::depends(&rows)));
+        out.extend(rows.into_iter().map(|d| DependsOn {
+            test: r.test.clone(),
+            variable: d.variable,
             share: d.share_beyond,
         }));
     }
-    let Some(base) = l.rungs.get(&Vec::new()) else { return Err(AnalysisError::Case("no fit".into())) };
-    let tests = base
-        .quality
-        .blocks
-        .iter()
-        .map(|b| TestRow {
-            name: b.name.clone(),
-            points: b.points,
-            rms: b.rms,
-            noise: b.noise,
-            reduced_chi2: b.reduced_chi2,
-            reduced_chi2_total: b.reduced_chi2_total,
+    (out, sentences)
+}
+
+/// Force misfits at the base fit of a search.
+pub(crate) fn residuals_of(l: &FeLadder) -> Vec<Residuals> {
+    let Some(base) = l.rungs.get(&Vec::new()) else { return Vec::new() };
+    let misfit = l.measured.data.misfit(&base.fit.prediction.values);
+    let blocks = l.measured.slots.iter().zip(&l.measured.data.blocks);
+    blocks
+        .filter(|(s, _)| s.channel == Channel::Force)
+        .filter_map(|(s, b)| {
+            let test = &l.case().tests[s.test];
+            let record = test.record.as_ref()?;
+            Some(Residuals {
+                test: test.name.clone(),
+                time: record.time.clone(),
+                displacement: record.displacement.clone(),
+                force: record.force.clone(),
+                misfit: b.range.clone().map(|i| misfit[i]).collect(),
+                noise: b.noise.sd,
+                segments: segments(test, record),
+                tear_front: Vec::new(),
+            })
         })
-        .collect();
-    Ok(CompareAnswer {
-        schema: 1,
-        specimen: case.name.clone(),
-        tests,
-        reduced_chi2_total: rung.reduced_chi2_total(),
-        explained: rung.explained(&policy),
-        place: places(&l),
-        depends_on,
-        words,
-    })
+        .collect()
 }

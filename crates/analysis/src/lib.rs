@@ -4,9 +4,11 @@ mod answer;
 mod columns;
 pub mod compare;
 mod data;
+mod held_out;
 mod identify;
 mod ladder;
 mod needs;
+mod parsimony;
 mod priors;
 mod problem;
 mod simulate;
@@ -15,13 +17,17 @@ mod strip;
 
 pub use answer::{DiscoverAnswer, LadderRow, NextTest, ScreenRow, diagnose, discover};
 pub use columns::{Base, Screened, scales};
-pub use compare::{CompareAnswer, compare};
+pub use compare::{
+    AlongTear, DependsOn, Residuals, Where, along_the_tear, depends_on, located, place_in_words, places,
+};
 pub use data::{Measured, RecordError, Slot};
+pub use held_out::HeldOut;
 pub use identify::{
     AnalysisError, Control, HistoryEntry, Identified, Progress, Stage, frees, identify, run_options,
 };
 pub use ladder::{FeLadder, Fitted};
 pub use needs::{Need, needs};
+pub use parsimony::{OneStrength, one_strength};
 pub use problem::{Cancelled, FeProblem};
 pub use simulate::{SimulateControl, Simulated, SimulatedTest, replay, simulate};
 pub use start::start_at;

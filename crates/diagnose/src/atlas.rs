@@ -42,6 +42,26 @@ pub fn atlas(misfit: &[f64], segments: &[Segment]) -> Vec<SegmentMisfit> {
         .collect()
 }
 
+/// The same by position, such as that of the tear front, one value per point: a row for the points that stand at the
+/// least position, and one for each of `classes` equal stretches beyond it that holds any. Ends of each, and the row.
+pub fn atlas_by(misfit: &[f64], position: &[f64], classes: usize) -> Vec<([f64; 2], SegmentMisfit)> {
+    let total: f64 = misfit.iter().map(|r| r * r).sum();
+    let low = position.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = position.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let width = (high - low) / classes as f64;
+    if !(width.is_finite() && width > 0.0) {
+        return Vec::new();
+    }
+    let class = |x: f64| (((x - low) / width).ceil() as usize).min(classes);
+    let stretch = |k: usize| {
+        let r: Vec<f64> =
+            misfit.iter().zip(position).filter(|(_, x)| class(**x) == k).map(|(r, _)| *r).collect();
+        let ends = [low + k.saturating_sub(1) as f64 * width, low + k as f64 * width];
+        (!r.is_empty()).then(|| (ends, row(&format!("{:.2} mm", ends[1]), &r, total)))
+    };
+    (0..=classes).filter_map(stretch).collect()
+}
+
 fn row(name: &str, r: &[f64], total: f64) -> SegmentMisfit {
     let square: f64 = r.iter().map(|v| v * v).sum();
     let n = r.len() as f64;

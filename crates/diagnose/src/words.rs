@@ -126,7 +126,7 @@ pub fn depends(rows: &[Dependence]) -> String {
         .map(|d| format!("{} ({:.0} % beyond the others)", d.variable, 100.0 * d.share_beyond))
         .collect();
     if parts.is_empty() {
-        "The misfit depends on no variable by itself.".into()
+        "No single variable explains the misfit beyond the others.".into()
     } else {
         format!("The misfit depends on {}.", join(&parts, "and"))
     }

@@ -107,6 +107,17 @@ fn the_atlas_puts_the_misfit_where_it_is() {
 }
 
 #[test]
+fn misfits_by_the_position_of_the_tear() {
+    let position: Vec<f64> = [vec![1.0; 30], (1..=80).map(|i| 1.0 + 0.05 * f64::from(i)).collect()].concat();
+    let misfit: Vec<f64> = position.iter().map(|x| if (2.6..3.9).contains(x) { 1.0 } else { 0.0 }).collect();
+    let rows = diagnose::atlas::atlas_by(&misfit, &position, 4);
+    assert_eq!(rows.iter().map(|r| r.1.points).collect::<Vec<_>>(), [30, 20, 20, 20, 20]);
+    assert!((rows[0].0[1] - 1.0).abs() < 1e-12 && (rows[4].0[1] - 5.0).abs() < 1e-12);
+    assert!(rows[2].1.share + rows[3].1.share > 0.999 && rows[3].1.sign == '+', "{rows:?}");
+    assert!(diagnose::atlas::atlas_by(&misfit, &[2.0; 110], 4).is_empty(), "no tear goes nowhere");
+}
+
+#[test]
 fn what_the_misfit_depends_on_is_told_from_what_goes_along_with_it() {
     let (t, u, _) = protocol(&RICH, 0.0);
     let mut variables = protocol_variables(&t, &u, &u, &breaks(&t, &u));

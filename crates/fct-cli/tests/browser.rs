@@ -99,7 +99,7 @@ fn rungs(page: &mut Page, here: &Path) -> Tested {
 /// What stands under the mouse is what the curve's file says.
 fn hovering(page: &mut Page, here: &Path) -> Tested {
     let chart = "figure[data-name='tearing']";
-    for (axis, at) in [("u", [0.4, 0.4]), ("t", [0.6, 0.5])] {
+    for (axis, at) in [("u", [0.4, 0.4]), ("t", [0.6, 0.5]), ("front", [0.5, 0.5])] {
         page.click(&format!("[data-axis='{axis}']"))?;
         page.hover(&format!("{chart} .u-over"), at)?;
         let told = page.text(&format!("{chart} .readout"))?;

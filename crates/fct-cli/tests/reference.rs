@@ -1,5 +1,5 @@
-//! The reference pages that are made from the program: the JSON schema of the files for editors, and the
-//! table of all keys. `just book` (UPDATE=1) writes them anew.
+//! The reference pages that are made from the program: the JSON schema of the files for editors, the table of all
+//! keys, the catalogue of effects. `just book` (UPDATE=1) writes them anew.
 
 mod common;
 
@@ -9,7 +9,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/book/src/reference");
+const DOCS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs");
 
 const HEAD: &str = "# Keys of the TOML files\n\n\
     Written by `just book` from the program's own list of keys; the same as a JSON schema, for editors that complete and check\n\
@@ -23,13 +23,18 @@ fn the_reference_is_what_the_program_reads() -> Tested {
     let schema = input::json_schema(&effects::catalogue());
     let mut page = String::from(HEAD);
     section(&mut page, "", &schema)?;
-    held("fct.schema.json", &format!("{schema}\n"))?;
-    held("keys.md", &page)
+    held("book/src/reference/fct.schema.json", &format!("{schema}\n"))?;
+    held("book/src/reference/keys.md", &page)
+}
+
+#[test]
+fn the_catalogue_page_is_what_the_cards_say() -> Tested {
+    held("catalogue.md", &effects::card_text::markdown(&effects::catalogue()))
 }
 
 /// The file is what it should be, or becomes so with UPDATE=1.
 fn held(name: &str, content: &str) -> Tested {
-    let file = Path::new(FOLDER).join(name);
+    let file = Path::new(DOCS).join(name);
     if std::env::var_os("UPDATE").is_some() {
         fs::write(&file, content)?;
     }

@@ -2,9 +2,9 @@
 
 use crate::ReportError;
 use crate::answer::TestCurve;
-use analysis::Identified;
-use diagnose::RecordKind;
+use analysis::{Identified, Residuals, SimulatedTest};
 use diagnose::segments::cut;
+use diagnose::{RecordKind, Segment, SegmentKind};
 use input::{Record, TestKind};
 use model::Channel;
 use std::path::Path;
@@ -30,12 +30,40 @@ pub struct Curve {
     pub segment: Vec<String>,
     /// Noise sd of the force, N.
     pub noise: f64,
+    /// Length of the cut, mm; 0 where it is not known.
+    pub cut: f64,
     /// Further columns: name, numbers (none where not measured).
     pub columns: Vec<(String, Vec<Option<f64>>)>,
 }
 
-/// The curves of an identification, one per test with a record.
-pub fn identified_curves(done: &Identified) -> Vec<Curve> {
+/// The model's tear front, a column.
+const TEAR_FRONT: &str = "tear_front_model_mm";
+
+/// The curves of an identification, one per test with a record. `replayed`: its last run, which knows where the
+/// tear stood at every point, camera or none.
+pub fn identified_curves(done: &Identified, replayed: &[SimulatedTest]) -> Vec<Curve> {
+    let mut out = measured_curves(done);
+    for curve in &mut out {
+        let Some(t) = replayed.iter().find(|t| t.name == curve.test) else { continue };
+        if t.tear_front.len() < 2 {
+            continue;
+        }
+        let column = curve.time.iter().map(|&at| Some(between(&t.time, &t.tear_front, at))).collect();
+        curve.columns.retain(|c| c.0 != TEAR_FRONT);
+        curve.columns.push((TEAR_FRONT.to_owned(), column));
+    }
+    out
+}
+
+/// Value at `at` of a series over growing times, on the line between its neighbours.
+fn between(times: &[f64], values: &[f64], at: f64) -> f64 {
+    let i = times.partition_point(|t| *t < at).clamp(1, times.len().min(values.len()) - 1);
+    let span = times[i] - times[i - 1];
+    let share = if span > 0.0 { ((at - times[i - 1]) / span).clamp(0.0, 1.0) } else { 1.0 };
+    values[i - 1] + share * (values[i] - values[i - 1])
+}
+
+fn measured_curves(done: &Identified) -> Vec<Curve> {
     let mut out: Vec<Curve> = Vec::new();
     for (block, slot) in done.measured.data.blocks.iter().zip(&done.measured.slots) {
         let test = &done.model.tests[slot.test].test;
@@ -50,6 +78,7 @@ pub fn identified_curves(done: &Identified) -> Vec<Curve> {
                 model: model.to_vec(),
                 segment: segments(record, test.kind),
                 noise: block.noise.sd,
+                cut: done.model.case.geometry.cut,
                 columns: Vec::new(),
             });
         } else if let Some(curve) = out.iter_mut().find(|c| c.test == test.name) {
@@ -134,6 +163,35 @@ impl Curve {
     /// Measured minus computed force, N.
     pub fn residual(&self) -> Vec<f64> {
         self.measured.iter().zip(&self.model).map(|(m, c)| m - c).collect()
+    }
+
+    /// Stretches of equal segment names; the kind is of no use here.
+    pub(crate) fn segments(&self) -> Vec<Segment> {
+        let mut out: Vec<Segment> = Vec::new();
+        for (i, name) in self.segment.iter().enumerate() {
+            match out.last_mut().filter(|s| s.name == *name) {
+                Some(s) => s.range.end = i + 1,
+                None => out.push(Segment { name: name.clone(), range: i..i + 1, kind: SegmentKind::Load }),
+            }
+        }
+        out
+    }
+
+    /// What the model leaves of the record.
+    pub(crate) fn residuals(&self) -> Residuals {
+        let front = self.columns.iter().find(|c| c.0 == TEAR_FRONT);
+        // The cut's own faces open from its mouth on, before anything tears.
+        let beyond = |x: &Option<f64>| x.map(|x| x.max(self.cut));
+        Residuals {
+            test: self.test.clone(),
+            time: self.time.clone(),
+            displacement: self.displacement.clone(),
+            force: self.measured.clone(),
+            misfit: self.residual(),
+            noise: self.noise,
+            segments: self.segments(),
+            tear_front: front.and_then(|c| c.1.iter().map(beyond).collect()).unwrap_or_default(),
+        }
     }
 
     /// The CSV file `curves/<test>.csv`.

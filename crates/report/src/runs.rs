@@ -112,10 +112,12 @@ impl StoredRun {
     pub fn curves(&self) -> Vec<Curve> {
         let tests = self.answer.get("tests").and_then(Value::as_object);
         let names = tests.into_iter().flat_map(|t| t.keys());
+        let input: Option<toml::Table> = self.input.parse().ok();
+        let cut = input.and_then(|t| t.get("geometry")?.get("cut_mm")?.as_float());
         let noise = |name: &str| tests?.get(name)?.get("noise_N")?.as_f64();
         names
             .filter_map(|name| Curve::read(&self.path.join("curves").join(format!("{name}.csv"))))
-            .map(|c| Curve { noise: noise(&c.test).unwrap_or(0.0), ..c })
+            .map(|c| Curve { noise: noise(&c.test).unwrap_or(0.0), cut: cut.unwrap_or(0.0), ..c })
             .collect()
     }
 

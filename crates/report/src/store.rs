@@ -55,7 +55,7 @@ pub fn store_discover(
     let json = serde_json::to_value(answer).unwrap_or(Value::Null);
     dir.write("diagnosis.json", format!("{json:#}\n").as_bytes())?;
     if let Some((done, replayed, found)) = top {
-        let curves = identified_curves(done);
+        let curves = identified_curves(done, replayed);
         curve_files(dir, &curves)?;
         fields(dir, case, &snapshots(&done.model, &done.theta, replayed, case.output.fields))?;
         let mut all = figures::of_identify(found, &curves)?;
@@ -91,7 +91,7 @@ pub fn store_identify(
     info: &RunInfo,
 ) -> Result<(), ReportError> {
     let case = &done.model.case;
-    let curves = rung(dir, done, case, answer, info)?;
+    let curves = rung(dir, done, case, replayed, answer, info)?;
     fields(dir, case, &snapshots(&done.model, &done.theta, replayed, case.output.fields))?;
     figure_files(&dir.part().join("figures"), &figures::of_identify(answer, &curves)?, &case.output.figures)?;
     page(dir)
@@ -109,7 +109,7 @@ pub fn store_rung(
     answer: &IdentifyAnswer,
     info: &RunInfo,
 ) -> Result<(), ReportError> {
-    rung(dir, done, case, answer, info)?;
+    rung(dir, done, case, replayed, answer, info)?;
     let strips = pictures(&snapshots(&done.model, &done.theta, replayed, case.output.fields));
     strips.iter().try_for_each(|(name, svg)| dir.write(format!("figures/{name}.svg"), svg.as_bytes()))
 }
@@ -118,11 +118,12 @@ fn rung(
     dir: &RunDir,
     done: &Identified,
     case: &Case,
+    replayed: &[SimulatedTest],
     answer: &IdentifyAnswer,
     info: &RunInfo,
 ) -> Result<Vec<Curve>, ReportError> {
     common(dir, case, answer, info)?;
-    let curves = identified_curves(done);
+    let curves = identified_curves(done, replayed);
     curve_files(dir, &curves)?;
     dir.write("jacobian.csv", &jacobian_csv(done)?)?;
     dir.write("history.csv", &history_csv(&answer.history)?)?;

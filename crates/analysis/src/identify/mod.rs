@@ -8,9 +8,10 @@ pub use work::frees;
 pub(crate) use work::{TRIAL_BUDGET, Work};
 
 use crate::data::{Measured, RecordError};
+use crate::held_out::{HeldOut, held_out};
 use crate::problem::Cancelled;
 use input::{Case, Mode, TestKind};
-use inverse::{Fit, FitError, Free, Iterate, PredictError, Quality, Uncertainty};
+use inverse::{Fit, FitError, Free, Iterate, Noise, PredictError, Quality, Uncertainty, Whitened};
 use model::{BuildError, Catalogue, Discretisation, Model, RunOptions, Site};
 use nalgebra::DVector;
 use std::sync::Arc;
@@ -124,6 +125,20 @@ pub struct Identified {
     pub options: RunOptions,
     /// Sentence on agreement of several starts, if there were.
     pub starts: Option<String>,
+}
+
+impl Identified {
+    /// What whole segments say that the fit did not see; `None` where there are too few.
+    pub fn held_out(&self) -> Option<HeldOut> {
+        let white = Whitened::new(
+            &self.measured.data,
+            &self.frees,
+            &self.fit.theta,
+            &self.fit.prediction,
+            Noise::Total,
+        );
+        held_out(&self.model.case, &self.measured, &white, &self.fit.at_bound)
+    }
 }
 
 /// Run options that a case asks for.

@@ -6,7 +6,7 @@
 
 mod fit;
 mod forms;
-mod held_out;
+mod rung;
 
 use crate::columns::Base;
 use crate::data::Measured;

@@ -1,28 +1,45 @@
-//! `fct compare`: how far the model is off, and where.
+//! `fct compare`: how far an identified model is off, and where.
 
+use super::identify::identify;
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
-use ::report::terminal;
-use std::path::PathBuf;
+use ::report::answer::CompareAnswer;
+use ::report::{StoredRun, terminal};
+use std::path::{Path, PathBuf};
 
 /// Arguments of `fct compare`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// A run directory of `fct identify`, a specimen or a config
+    /// A run directory of `fct identify` or `fct discover`; a specimen or a config is identified first
     #[arg(value_name = "RUN")]
     pub run: PathBuf,
 }
 
-/// Compares the identified model with its records.
+/// Compares the identified model with its records, as they stand in the run directory.
 ///
 /// # Errors
-/// Bad input, or a model that cannot be computed.
+/// Bad input, a directory that holds no identification; a file that cannot be identified.
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
-    let case = session.identified_case(&arguments.run)?;
-    let progress = session.progress(&case.name);
-    let answer = analysis::compare(case, &session.catalogue, &|s| progress.note(s), &|| session.cancelled())?;
-    drop(progress);
-    let outcome = Outcome::new(&answer, String::new())?;
-    let text = terminal::compare(&outcome.json, session.style());
-    Ok(Outcome { text, ..outcome })
+    let place = if arguments.run.is_dir() {
+        last_rung(&arguments.run)
+    } else {
+        let case = session.fitted_case(&arguments.run)?;
+        identify(&case, &session.place(&case), session, &session.progress(&case.name))?.1
+    };
+    let run = StoredRun::read(&place)?;
+    let found = run.identify().ok_or_else(|| {
+        Failure::usage(format!(
+            "fct: {}: expected a finished run of `fct identify` or `fct discover`",
+            place.display()
+        ))
+    })?;
+    let curves = run.curves();
+    let answer = CompareAnswer::new(&found, &curves);
+    Outcome::new(&answer, terminal::compare(&answer, &found, &curves, session.style()))
+}
+
+/// Of a search the model that it chose; any other directory itself.
+fn last_rung(place: &Path) -> PathBuf {
+    let rung = |k: usize| place.join("rungs").join(k.to_string());
+    (0..).map(rung).take_while(|p| p.is_dir()).last().unwrap_or_else(|| place.to_owned())
 }

@@ -34,6 +34,9 @@ pub struct IdentifyAnswer {
     pub reduced_chi2_total: f64,
     /// Whether the model explains the records (judged by `reduced_chi2_total`).
     pub explained: bool,
+    /// Rms misfit of whole segments that were held out, to first order, N.
+    #[serde(default)]
+    pub held_out_rms_N: Option<f64>,
     /// Bayesian information criterion.
     pub bic: Option<f64>,
     /// Accepted steps of the search, the most of any stage.
@@ -195,6 +198,7 @@ impl IdentifyAnswer {
             reduced_chi2: done.quality.reduced_chi2,
             reduced_chi2_total: done.quality.reduced_chi2_total,
             explained: explained(&done.quality),
+            held_out_rms_N: done.held_out().and_then(|h| finite(h.rms)),
             bic: finite(done.quality.bic),
             iterations: done.iterations,
             forward_runs: done.forward_runs,

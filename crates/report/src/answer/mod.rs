@@ -1,9 +1,11 @@
 //! The answers of the commands as they are printed and stored. Field names are the contract's.
 #![allow(non_snake_case)]
 
+mod compare;
 mod identify;
 mod simulate;
 
+pub use compare::CompareAnswer;
 pub(crate) use identify::histories;
 pub use identify::{
     IdentifyAnswer, ParameterAnswer, PublishedSummary, StageEnd, StageHistory, TestFit, Trial,

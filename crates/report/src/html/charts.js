@@ -113,6 +113,13 @@ function zoomable(view, again) {
 // Kind of a segment: its name without the count.
 const kindOf = name => name.replace(/ \d+$/, "");
 
+// What a test is drawn against; of an intact strip, whose record knows no tear front, the displacement.
+const labels = { u: "displacement (mm)", t: "time (s)", front: "tear front of the model (mm)" };
+function against(test) {
+  const front = page.rungs[state.rung].channels[test.name + ".tear_front"];
+  return state.axis === "front" ? (front ? ["front", front] : ["u", test.u]) : [state.axis, test[state.axis]];
+}
+
 // Record, model with noise band, misfit coloured by segment underneath.
 function testChart(figure) {
   const test = page.tests.find(t => t.name === figure.dataset.name);
@@ -121,7 +128,8 @@ function testChart(figure) {
   const model = () => page.rungs[state.rung].force[test.name] || [];
   const misfit = () => test.f.map((f, i) => f - model()[i]);
   const segment = i => { const s = test.segments.find(s => s[1] <= i && i < s[2]); return s ? s[0] : ""; };
-  const view = { reset() { this.x = span([test[state.axis]]); this.y = {}; } };
+  const along = () => against(test)[1];
+  const view = { reset() { this.x = span([along()]); this.y = {}; } };
   view.reset();
   const box = document.createElement("div"), readout = document.createElement("p"), legend = document.createElement("p");
   readout.className = "readout"; readout.setAttribute("aria-live", "polite"); legend.className = "legend";
@@ -141,11 +149,11 @@ function testChart(figure) {
     tell(i);
     busy = true;
     for (const other of plots) if (other !== u) other.setCursor(i == null ? { left: -10, top: -10 }
-      : { left: other.valToPos(test[state.axis][i], "x"), top: other.valToPos(other.data[1][i], "y") }, false);
+      : { left: other.valToPos(along()[i], "x"), top: other.valToPos(other.data[1][i], "y") }, false);
     busy = false;
   };
   function part(name, height, series, y, hooks, xLabel) {
-    const xs = test[state.axis], z = zoomable(view, draw);
+    const xs = along(), z = zoomable(view, draw);
     const columns = series.map(s => s.data);
     const u = new uPlot({
       width: wide(figure), height, legend: { show: false }, padding: [8, 10, 0, 0],
@@ -162,7 +170,7 @@ function testChart(figure) {
   }
   function draw() {
     plots.forEach(p => p.destroy());
-    const xLabel = state.axis === "u" ? "displacement (mm)" : "time (s)", m = model();
+    const xLabel = labels[against(test)[0]], m = model();
     const narrow = figure.clientWidth < 480;
     if (!measured) {
       plots = [part("force (N)", narrow ? 260 : 320, [{ data: m, colour: css("--model") }], view.y["force (N)"] || span([m]), {}, xLabel)];
@@ -196,7 +204,7 @@ function testChart(figure) {
   redraw();
   return { redraw, reset() { view.reset(); }, size: draw, hover: i => {
     const u = plots[0];
-    u.setCursor({ left: u.valToPos(test[state.axis][i], "x"), top: u.valToPos(u.data[1][i], "y") });
+    u.setCursor({ left: u.valToPos(along()[i], "x"), top: u.valToPos(u.data[1][i], "y") });
   } };
 }
 

@@ -1,6 +1,6 @@
 //! The numbers behind the charts, as compact JSON: six significant digits, one array per column.
 
-use super::view::{View, segments};
+use super::view::View;
 use crate::Curve;
 use crate::answer::{IdentifyAnswer, ParameterAnswer};
 use crate::figures::shown_parameters;
@@ -47,7 +47,7 @@ fn sparse(x: &[Option<f64>]) -> Value {
 /// What was measured in one test.
 fn test(c: &Curve) -> Value {
     let pieces: Vec<Value> =
-        segments(c).iter().map(|s| json!([s.name, s.range.start, s.range.end])).collect();
+        c.segments().iter().map(|s| json!([s.name, s.range.start, s.range.end])).collect();
     let channels: Map<String, Value> = c
         .columns
         .iter()

@@ -52,11 +52,17 @@ fn curves(v: &View) -> String {
         })
         .chain(channels)
         .collect();
+    let torn = r.curves.iter().any(|c| !c.residuals().tear_front.is_empty());
+    let front = if torn {
+        "<button type=\"button\" data-axis=\"front\" aria-pressed=\"false\">tear front</button>"
+    } else {
+        ""
+    };
     format!(
         "<section id=\"curves\"><h2>Record and model: {}</h2>\n<div class=\"tools\"><span>against</span>\
          <button type=\"button\" data-axis=\"u\" aria-pressed=\"true\">displacement</button>\
          <button type=\"button\" data-axis=\"t\" aria-pressed=\"false\">time</button>\
-         <span class=\"muted\">drag to zoom, double click to see all</span></div>\n\
+         {front}<span class=\"muted\">drag to zoom, double click to see all</span></div>\n\
          <div class=\"charts\">\n{charts}</div>\n{}</section>\n",
         shown_name(&r.name()),
         per_rung(v, |r| tables::fits(&r.answer))

@@ -1,10 +1,11 @@
 //! The staircase of rungs, the ranked effects, the residual atlas.
 
 use super::answer::{called, p_value};
-use super::view::{Rung, View, atlas};
+use super::view::{Rung, View};
 use super::{Cell, escape, per_rung, table};
 use crate::peek::{list, number, rows, text, yes};
 use crate::terminal::significant;
+use analysis::Residuals;
 use serde_json::Value;
 
 /// Effects that stand above the fold of the table.
@@ -128,7 +129,11 @@ fn effect(r: &Value) -> String {
         number(r, "p_value").map_or("–".into(), |p| p_value(p).replace("p = ", "").replace("p ", ""))
     };
     let dim = if called(r) { "" } else { " class=\"dim\"" };
-    let unseen = if yes(r, "visible") { "" } else { " <span class=\"muted\">(not visible here)</span>" };
+    let unseen = match (yes(r, "visible"), called(r)) {
+        (true, _) => "",
+        (false, true) => " <span class=\"muted\">(only beyond a plausible size)</span>",
+        (false, false) => " <span class=\"muted\">(not visible here)</span>",
+    };
     format!(
         "<tr{dim}><td><b>{}</b>{unseen}</td><td><span class=\"fall\"><span style=\"--share:{fall:.4}\"></span></span> {:.0} %</td>\
          <td class=\"n\">{p}</td><td class=\"wrap\">{}</td><td class=\"wrap words\">{}</td></tr>\n",
@@ -145,35 +150,72 @@ pub fn residuals(v: &View) -> String {
         return String::new();
     }
     let body = per_rung(v, |r| {
-        let rows = r.curves.iter().flat_map(|c| {
-            let sd = c.noise.max(f64::MIN_POSITIVE);
-            atlas(c).into_iter().map(move |s| {
-                vec![
-                    Cell::left(c.test.clone()),
-                    Cell::left(s.segment),
-                    Cell::number(s.points.to_string()),
-                    Cell::share(s.share),
-                    Cell::number(format!("{:.2}", s.rms / sd)),
-                    Cell::number(format!("{} {}", significant(s.mean, 2), side(s.sign))),
-                    Cell::number(format!("{:.2}", s.autocorrelation)),
-                ]
-            })
-        });
-        let header = [
-            "test",
-            "segment",
-            "points",
-            "share of the test's misfit",
-            "rms / noise",
-            "mean misfit (N)",
-            "autocorrelation",
-        ];
-        table(&header, rows)
+        let all: Vec<Residuals> = r.curves.iter().map(crate::Curve::residuals).collect();
+        format!("{}{}", by_segment(&all), by_tear_front(&all))
     });
     format!(
         "<section id=\"atlas\"><h2>Residual atlas</h2>\n<p class=\"muted\">Where the misfit sits. rms / noise is 1 for a model that is \
          right; an autocorrelation well above 0 is structure, not noise. ▲ record above the model, ▼ below.</p>\n{body}</section>\n"
     )
+}
+
+fn by_segment(all: &[Residuals]) -> String {
+    let rows = all.iter().flat_map(|r| {
+        diagnose::atlas::atlas(&r.misfit, &r.segments).into_iter().map(move |s| {
+            vec![
+                Cell::left(r.test.clone()),
+                Cell::left(s.segment),
+                Cell::number(s.points.to_string()),
+                Cell::share(s.share),
+                Cell::number(format!("{:.2}", s.rms / r.noise.max(f64::MIN_POSITIVE))),
+                Cell::number(format!("{} {}", significant(s.mean, 2), side(s.sign))),
+                Cell::number(format!("{:.2}", s.autocorrelation)),
+            ]
+        })
+    });
+    let header = [
+        "test",
+        "segment",
+        "points",
+        "share of the test's misfit",
+        "rms / noise",
+        "mean misfit (N)",
+        "autocorrelation",
+    ];
+    table(&header, rows)
+}
+
+/// The same by where the model's tear stood.
+fn by_tear_front(all: &[Residuals]) -> String {
+    let noise = |test: &str| all.iter().find(|r| r.test == test).map_or(f64::NAN, |r| r.noise);
+    let stretches = analysis::along_the_tear(all);
+    if stretches.is_empty() {
+        return String::new();
+    }
+    let rows = stretches.into_iter().map(|s| {
+        let ends = if s.to_mm > s.from_mm {
+            format!("{} – {}", significant(s.from_mm, 3), significant(s.to_mm, 3))
+        } else {
+            format!("{}, at rest", significant(s.from_mm, 3))
+        };
+        vec![
+            Cell::left(s.test.clone()),
+            Cell::left(ends),
+            Cell::number(s.points.to_string()),
+            Cell::share(s.share),
+            Cell::number(format!("{:.2}", s.rms_n / noise(&s.test))),
+            Cell::number(significant(s.mean_n, 2)),
+        ]
+    });
+    let header = [
+        "test",
+        "tear front at (mm)",
+        "points",
+        "share of the whole misfit",
+        "rms / noise",
+        "mean misfit (N)",
+    ];
+    table(&header, rows)
 }
 
 fn side(sign: char) -> &'static str {

@@ -5,6 +5,8 @@ const redraw = () => charts.forEach(c => c.redraw());
 
 function choose(rung) {
   state.rung = rung;
+  // Another model's tear stands elsewhere.
+  if (state.axis === "front") charts.forEach(c => c.reset && c.reset());
   document.querySelectorAll("[data-rung]").forEach(b => b.setAttribute("aria-pressed", b.dataset.rung === String(rung)));
   document.querySelectorAll("[data-of]").forEach(d => { d.hidden = d.dataset.of !== String(rung); });
   document.querySelectorAll("[data-shown]").forEach(s => { s.textContent = page.rungs[rung].name; });

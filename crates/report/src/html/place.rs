@@ -1,7 +1,7 @@
 //! Where the model is off: segments of the force records, camera channels.
 
 use super::escape;
-use super::view::{View, atlas};
+use super::view::View;
 use crate::peek::{number, rows, text};
 use crate::terminal::significant;
 use serde_json::Value;
@@ -28,20 +28,8 @@ pub fn places(v: &View) -> Vec<Place> {
             .collect();
     }
     let Some(rung) = v.current() else { return Vec::new() };
-    let chi2 = |c: &crate::Curve| -> f64 {
-        c.residual().iter().map(|r| (r / c.noise.max(f64::MIN_POSITIVE)).powi(2)).sum()
-    };
-    let total: f64 = rung.curves.iter().map(chi2).sum();
-    let mut out: Vec<Place> = rung
-        .curves
-        .iter()
-        .flat_map(|c| {
-            let share = chi2(c) / total.max(f64::MIN_POSITIVE);
-            atlas(c).into_iter().map(move |s| (c.test.clone(), s.segment, s.share * share, s.sign))
-        })
-        .collect();
-    out.sort_by(|a, b| b.2.total_cmp(&a.2));
-    out
+    let residuals: Vec<_> = rung.curves.iter().map(crate::Curve::residuals).collect();
+    analysis::located(&residuals).into_iter().map(|(test, s)| (test, s.segment, s.share, s.sign)).collect()
 }
 
 /// Camera channels that the model misses, and the worst if it is missed more than every force.

@@ -3,9 +3,6 @@
 use crate::answer::IdentifyAnswer;
 use crate::runs::StoredRun;
 use crate::{Curve, ReportError};
-use diagnose::Segment;
-use diagnose::atlas::SegmentMisfit;
-use diagnose::segments::SegmentKind;
 use serde_json::Value;
 use std::path::Path;
 
@@ -69,7 +66,7 @@ impl Rung {
 
     /// Rms misfit of held-out segments, N.
     pub fn held_out(&self) -> Option<f64> {
-        self.number("held_out_rms_N")
+        self.number("held_out_rms_N").or(self.answer.held_out_rms_N)
     }
 
     fn number(&self, key: &str) -> Option<f64> {
@@ -194,21 +191,4 @@ fn ancestors(run: &StoredRun) -> Vec<StoredRun> {
 fn parent_of(input: &str) -> Option<String> {
     let table: toml::Table = input.parse().ok()?;
     Some(table.get("parent")?.as_str()?.to_owned())
-}
-
-/// Where a curve is off, segment by segment.
-pub fn atlas(c: &Curve) -> Vec<SegmentMisfit> {
-    diagnose::atlas::atlas(&c.residual(), &segments(c))
-}
-
-/// Stretches of equal segment names; the kind is of no use here.
-pub fn segments(c: &Curve) -> Vec<Segment> {
-    let mut out: Vec<Segment> = Vec::new();
-    for (i, name) in c.segment.iter().enumerate() {
-        match out.last_mut().filter(|s| s.name == *name) {
-            Some(s) => s.range.end = i + 1,
-            None => out.push(Segment { name: name.clone(), range: i..i + 1, kind: SegmentKind::Load }),
-        }
-    }
-    out
 }

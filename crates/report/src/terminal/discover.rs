@@ -1,4 +1,4 @@
-//! Tables of compare, diagnose and discover, from their JSON answers.
+//! Tables of diagnose and discover, from their JSON answers.
 
 use super::{Style, WIDTH, significant, table, wrap};
 use crate::peek::{list, number, rows, text, yes};
@@ -104,31 +104,4 @@ fn places(answer: &Value, style: Style, out: &mut String) {
         let (test, segment) = (text(r, "test"), text(r, "segment"));
         let _ = writeln!(out, "  {test:<16} {segment:<14} {:>4.0} % of χ²  {bar}", 100.0 * share);
     }
-}
-
-/// Distance per test and where it sits.
-pub fn compare(answer: &Value, style: Style) -> String {
-    let mut out = String::new();
-    let word = if yes(answer, "explained") {
-        style.good("explained: the misfit is at the noise floor")
-    } else {
-        style.bad("not explained")
-    };
-    let _ = writeln!(out, "{}: {word}\n", style.bold(text(answer, "specimen")));
-    let lines = rows(answer, "tests").iter().map(|r| {
-        vec![
-            text(r, "name").to_owned(),
-            number(r, "points").map_or_else(String::new, |n| format!("{n:.0}")),
-            shown(number(r, "rms"), 3),
-            shown(number(r, "noise"), 3),
-            shown(number(r, "reduced_chi2"), 3),
-            shown(number(r, "reduced_chi2_total"), 3),
-        ]
-    });
-    let header = ["test", "points", "rms (N)", "noise (N)", "χ²/ν", "with num. error"];
-    let _ = writeln!(out, "{}", table(&header, &[0], lines.collect()));
-    places(answer, style, &mut out);
-    out.push('\n');
-    sentences(&mut out, &list(answer, "words"));
-    out
 }

@@ -58,7 +58,7 @@ pub fn identify(a: &IdentifyAnswer, curves: &[Curve], style: Style) -> String {
 }
 
 /// One line: is the model good enough?
-fn verdict(a: &IdentifyAnswer, style: Style) -> String {
+pub(super) fn verdict(a: &IdentifyAnswer, style: Style) -> String {
     let effects =
         if a.effects.is_empty() { "base model".to_owned() } else { format!("with {}", a.effects.join(", ")) };
     let head = format!("{} ({effects})", a.specimen);
@@ -123,7 +123,7 @@ pub(crate) fn remark(p: &ParameterAnswer) -> String {
     words.join(", ")
 }
 
-fn test_table(a: &IdentifyAnswer) -> String {
+pub(super) fn test_table(a: &IdentifyAnswer) -> String {
     let header = [
         "test",
         "points",
@@ -154,7 +154,7 @@ fn test_table(a: &IdentifyAnswer) -> String {
 }
 
 /// Measured force, model and misfit over time as three lines.
-fn small_plot(c: &Curve, style: Style) -> String {
+pub(super) fn small_plot(c: &Curve, style: Style) -> String {
     let (low, high) = range(c.measured.iter().chain(&c.model));
     let residual = c.residual();
     let most = residual.iter().fold(3.0 * c.noise, |m, r| m.max(r.abs()));

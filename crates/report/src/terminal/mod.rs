@@ -1,12 +1,14 @@
 //! What is printed on a terminal: tables of at most 100 columns and small plots.
 
+mod compare;
 mod discover;
 mod identify;
 mod overview;
 mod plot;
 mod simulate;
 
-pub use discover::{compare, discover};
+pub use compare::compare;
+pub use discover::discover;
 pub use identify::identify;
 pub(crate) use identify::{SLOPPY_SHOWN, interval, remark};
 pub(crate) use overview::mean_sd;

@@ -117,6 +117,8 @@ pub struct LadderRow {
     pub reduced_chi2: f64,
     /// Fit with numerical error.
     pub reduced_chi2_total: f64,
+    /// Rms misfit of held-out segments, N.
+    pub held_out_rms_N: Option<f64>,
     /// Bayesian information criterion.
     pub bic: Option<f64>,
     /// Mean Gc over the areas, N/mm.
@@ -138,6 +140,7 @@ pub fn ladder_rows(runs: &[(StoredRun, IdentifyAnswer)]) -> Vec<LadderRow> {
                 rms_N: a.rms_N,
                 reduced_chi2: a.reduced_chi2,
                 reduced_chi2_total: a.reduced_chi2_total,
+                held_out_rms_N: a.held_out_rms_N,
                 bic: a.bic,
                 gc_mean_N_per_mm: means.gc_N_per_mm.map(|p| p[0]),
                 sigma_c_mean_MPa: means.sigma_c_MPa.map(|p| p[0]),
@@ -151,15 +154,17 @@ pub fn ladder_rows(runs: &[(StoredRun, IdentifyAnswer)]) -> Vec<LadderRow> {
 /// The staircase of error against effects.
 pub fn ladder(rows: &[LadderRow], style: Style) -> String {
     let most = rows.iter().fold(f64::MIN_POSITIVE, |m, r| m.max(r.rms_N));
-    let header = ["effects", "params", "rms (N)", "", "χ²/ν", "with num. error", "BIC", "Gc", "σc"];
+    let header =
+        ["effects", "params", "rms (N)", "", "held out (N)", "χ²/ν", "with num. error", "BIC", "Gc", "σc"];
     let number = |x: Option<f64>, digits| x.map_or("–".into(), |x| significant(x, digits));
     let lines = rows.iter().map(|r| {
-        let bar = "█".repeat(((r.rms_N / most) * 20.0).round().max(1.0) as usize);
+        let bar = "█".repeat(((r.rms_N / most) * 12.0).round().max(1.0) as usize);
         vec![
             if r.effects.is_empty() { "none".into() } else { r.effects.join(" + ") },
             r.parameters.to_string(),
             significant(r.rms_N, 3),
             bar,
+            number(r.held_out_rms_N, 3),
             significant(r.reduced_chi2, 3),
             significant(r.reduced_chi2_total, 3),
             number(r.bic, 5),
