@@ -54,6 +54,8 @@ pub struct SimulatedTest {
     pub tear_front: Vec<f64>,
     /// Camera: change of width, mm.
     pub width_change: Vec<f64>,
+    /// Fewest elements of the path in the softening zone while there was a whole one.
+    pub softening_elements: Option<f64>,
     /// Energy ledger at the end closes to this share of the external work.
     pub closure: f64,
     /// Why the run ended before its plan did.
@@ -226,6 +228,11 @@ fn answer(model: &Model, theta: &[f64], t: usize, plan: Plan, run: Run) -> Simul
         force: readings(model, theta, t, &plan, &run, &time),
         grip_displacement: run.steps.iter().map(|s| s.grip - zero.0).collect(),
         tear_front,
+        softening_elements: run
+            .steps
+            .iter()
+            .filter_map(|s| s.extra.get(camera::output::SOFTENING).copied().filter(|n| n.is_finite()))
+            .min_by(f64::total_cmp),
         width_change: run.steps.iter().map(|s| width(s) - zero.1).collect(),
         closure: closure(&run),
         failure: run.failure.as_ref().map(ToString::to_string),

@@ -118,3 +118,28 @@ fn people_get_a_table_within_100_columns() -> Tested {
     assert!(out.stderr.is_empty());
     Ok(())
 }
+
+/// Meshes too coarse for the tear and steps too large are said to be; a fine mesh in small steps says nothing.
+#[test]
+fn coarse_meshes_and_large_steps_are_told() -> Tested {
+    let remarks =
+        |edit: &dyn Fn(String) -> String, step: f64| -> Result<Vec<String>, Box<dyn std::error::Error>> {
+            let folder =
+                folder(&edit(strip(&format!("[solver]\nstep_mm = {step}\n[output]\nfields = false\n"))))?;
+            let (code, answer, stderr) = json(folder.path(), &["simulate", "strip.toml"])?;
+            assert_eq!(code, 0, "{stderr}");
+            Ok(serde_json::from_value(answer["remarks"].clone())?)
+        };
+    let fine = remarks(&|s| s.replace("[8, 8, 1]", "[24, 8, 1]"), 0.05)?;
+    assert!(fine.is_empty(), "{fine:?}");
+    // δc falls from 0.69 to 0.14 mm: the zone spans about one element.
+    let brittle = |s: String| s.replace("gc_N_per_mm = 0.15", "gc_N_per_mm = 0.03");
+    let coarse = remarks(&brittle, 0.05)?;
+    assert!(
+        coarse.iter().any(|r| r.contains("tearing: the mesh is too coarse") && r.contains("path_size_mm")),
+        "{coarse:?}"
+    );
+    let large = remarks(&|s| s, 1.0)?;
+    assert!(large.iter().any(|r| r.contains("steps are too large") && r.contains("step_mm")), "{large:?}");
+    Ok(())
+}

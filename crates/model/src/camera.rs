@@ -14,7 +14,12 @@ pub mod output {
     pub const FRONT_BY_THRESHOLD: usize = 2;
     /// Area (from 0) whose threshold places the front.
     pub const FRONT_AREA: usize = 3;
+    /// Elements of the path in the softening zone; infinite while there is no whole one.
+    pub const SOFTENING: usize = 4;
 }
+
+/// The softening zone ends where the opening is this many times δc: a fifth of the strength is left there.
+const SPENT: f64 = 4.0;
 
 /// A line of path nodes through the thickness at one x.
 #[derive(Clone, Debug)]
@@ -33,6 +38,8 @@ pub struct Camera {
     right: Vec<usize>,
     /// Opening threshold of each area, mm.
     pub thresholds: Vec<f64>,
+    /// δc of each area, mm.
+    pub critical: Vec<f64>,
 }
 
 impl Camera {
@@ -64,10 +71,22 @@ impl Camera {
                 }),
             }
         }
-        Self { lines, left: set("left_mid"), right: set("right_mid"), thresholds: vec![0.0; areas.max(1)] }
+        let none = vec![0.0; areas.max(1)];
+        Self {
+            lines,
+            left: set("left_mid"),
+            right: set("right_mid"),
+            thresholds: none.clone(),
+            critical: none,
+        }
     }
 
     fn excess<S: Scalar>(&self, line: &PathLine, u: &dyn Fn(usize) -> S) -> S {
+        Self::opening(line, u) - self.thresholds[line.area]
+    }
+
+    /// Mean opening over the thickness.
+    fn opening<S: Scalar>(line: &PathLine, u: &dyn Fn(usize) -> S) -> S {
         let mut sum = S::zero();
         for &(lower, upper) in &line.pairs {
             sum += match lower {
@@ -75,7 +94,24 @@ impl Camera {
                 None => u(3 * upper + 1) * 2.0,
             };
         }
-        sum * (1.0 / line.pairs.len() as f64) - self.thresholds[line.area]
+        sum * (1.0 / line.pairs.len() as f64)
+    }
+
+    /// How many elements lie between the places where the opening is δc and where it is [`SPENT`] δc.
+    fn softening(&self, u: &dyn Fn(usize) -> f64) -> f64 {
+        let over: Vec<f64> = self.lines.iter().map(|l| Self::opening(l, u) / self.critical[l.area]).collect();
+        // Index of the last line that is open that far, and the place beyond it where the opening falls below.
+        let place = |ratio: f64| {
+            let i = over.iter().rposition(|o| *o >= ratio)?;
+            let next = self.lines.get(i + 1)?;
+            let share = (over[i] - ratio) / (over[i] - over[i + 1]);
+            let width = next.x - self.lines[i].x;
+            Some((self.lines[i].x + share * width, width))
+        };
+        match (place(SPENT), place(1.0)) {
+            (Some((spent, _)), Some((peak, width))) => (peak - spent) / width,
+            _ => f64::INFINITY,
+        }
     }
 
     /// Front position, its derivative by the threshold, the area.
@@ -106,7 +142,7 @@ impl Observer for Camera {
     fn observe(&self, state: &State) -> Vec<f64> {
         let u = |dof: usize| state.u[dof];
         let (front, by_threshold, area) = self.front(&u);
-        vec![front, self.width(&u), by_threshold, area as f64]
+        vec![front, self.width(&u), by_threshold, area as f64, self.softening(&u)]
     }
 
     fn derive(&self, state: &State, du: &[f64], count: usize) -> Vec<Vec<f64>> {

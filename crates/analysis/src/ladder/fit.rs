@@ -222,14 +222,14 @@ impl FeLadder<'_> {
                 ..FitOptions::default()
             };
             let progress = self.progress;
-            let names = model.effects().join(" + ");
+            let names = super::named(&model.effects());
             let best = self.rungs.values().map(|f| f.fit.f).fold(f64::INFINITY, f64::min);
             let far = UNEXPLAINED * self.measured.data.points() as f64;
             let mut last = f64::INFINITY;
             let fit = inverse::fit(&problem, &self.measured.data, &list, &options, &mut |i| {
                 if let Some(f) = i.f {
                     progress(&format!(
-                        "fit [{names}] step {} χ² {f:.1}{}",
+                        "{names}, step {}: χ² {f:.1}{}",
                         i.iteration,
                         if i.accepted { "" } else { " (rejected)" }
                     ));

@@ -112,6 +112,11 @@ impl<'a> FeLadder<'a> {
     }
 }
 
+/// A model by its effects.
+fn named(effects: &[String]) -> String {
+    if effects.is_empty() { "base model".into() } else { format!("with {}", effects.join(" + ")) }
+}
+
 impl diagnose::Ladder for FeLadder<'_> {
     type Error = AnalysisError;
 
@@ -139,8 +144,8 @@ impl diagnose::Ladder for FeLadder<'_> {
             }
             let rung = self.rung(effects, &self.rungs[&key]);
             (self.progress)(&format!(
-                "[{}] reduced χ² {:.2} (with numerical error {:.2}), BIC {:.1}",
-                effects.join(" + "),
+                "{}: reduced χ² {:.2} (with numerical error {:.2}), BIC {:.1}",
+                named(effects),
                 rung.reduced_chi2,
                 rung.reduced_chi2_total(),
                 rung.bic
@@ -166,7 +171,7 @@ impl diagnose::Ladder for FeLadder<'_> {
             warm: &f.warm,
             cancelled: self.cancelled,
         };
-        (self.progress)(&format!("screen at [{}]", rung.effects.join(" + ")));
+        (self.progress)(&format!("{}: screen of the catalogue", named(&rung.effects)));
         let screened = base.screen()?;
         self.runs.fetch_add(1 + screened.secant_runs, Ordering::Relaxed);
         let mut prediction = screened.prediction;

@@ -207,11 +207,10 @@ impl Model {
     /// The camera with the thresholds of θ.
     pub fn camera_at(&self, t: usize, theta: &[f64]) -> Camera {
         let mut c = self.tests[t].camera(self.areas());
-        for (a, threshold) in c.thresholds.iter_mut().enumerate() {
-            *threshold = match self.tests[t].test.tear_front_opening {
-                Some(x) => x,
-                None => self.threshold(a, theta).0,
-            };
+        c.critical = (0..c.critical.len()).map(|a| self.threshold(a, theta).0).collect();
+        c.thresholds.clone_from(&c.critical);
+        if let Some(x) = self.tests[t].test.tear_front_opening {
+            c.thresholds.fill(x);
         }
         c
     }

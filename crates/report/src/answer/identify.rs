@@ -1,5 +1,6 @@
 //! The answer of `fct identify`.
 
+use super::remarks::remarks;
 use super::{EnergyAnswer, SCHEMA, finite};
 use crate::published::Published;
 use analysis::{HistoryEntry, Identified, SimulatedTest};
@@ -58,6 +59,9 @@ pub struct IdentifyAnswer {
     /// Published values beside the identified ones, where the specimen has some.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub published: Option<PublishedSummary>,
+    /// Meshes too coarse, steps too large.
+    #[serde(default)]
+    pub remarks: Vec<String>,
     /// How several starts agreed, where there were several.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub starts: Option<String>,
@@ -207,6 +211,7 @@ impl IdentifyAnswer {
             stages,
             sloppy: done.uncertainty.sloppy_directions(),
             correlations: correlations(done),
+            remarks: remarks(replayed),
             history: histories(&done.history),
             starts: done.starts.clone(),
         }

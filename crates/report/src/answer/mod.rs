@@ -3,6 +3,7 @@
 
 mod compare;
 mod identify;
+mod remarks;
 mod simulate;
 
 pub use compare::CompareAnswer;

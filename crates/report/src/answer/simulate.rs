@@ -1,6 +1,7 @@
 //! The answer of `fct simulate`.
 
 use super::SCHEMA;
+use super::remarks::remarks;
 use analysis::{Simulated, SimulatedTest};
 use fem::Ledger;
 use indexmap::IndexMap;
@@ -21,6 +22,9 @@ pub struct SimulateAnswer {
     pub tests: IndexMap<String, TestCurve>,
     /// What the solver did.
     pub solver: SolverAnswer,
+    /// Meshes too coarse, steps too large.
+    #[serde(default)]
+    pub remarks: Vec<String>,
     /// Why the runs ended early, if they did.
     pub stopped_because: Option<String>,
 }
@@ -108,6 +112,7 @@ impl SimulateAnswer {
             effects: simulated.model.effects(),
             tests: simulated.tests.iter().map(|t| (t.name.clone(), TestCurve::new(t))).collect(),
             solver: SolverAnswer { steps: simulated.steps(), iterations: simulated.iterations(), seconds },
+            remarks: remarks(&simulated.tests),
             stopped_because: simulated.failure(),
         }
     }

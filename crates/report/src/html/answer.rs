@@ -210,7 +210,10 @@ fn how_sure(v: &View) -> Card {
             facts.push(line);
         }
     }
-    let body: String = facts.iter().map(|f| format!("<li>{f}</li>")).collect();
+    let mut body: String = facts.iter().map(|f| format!("<li>{f}</li>")).collect();
+    for remark in v.current().iter().flat_map(|r| &r.answer.remarks) {
+        body.push_str(&format!("<li class=\"bad\">{}</li>", escape(remark)));
+    }
     Card { question, good: None, head, body: format!("<ul>{body}</ul>") }
 }
 

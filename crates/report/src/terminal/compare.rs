@@ -33,6 +33,9 @@ pub fn compare(a: &CompareAnswer, found: &IdentifyAnswer, curves: &[Curve], styl
         let _ = writeln!(out, "  {:<16} {ends:<18} {}", s.test, share(s.share, s.mean_n));
     }
     out.push('\n');
+    for line in &found.remarks {
+        let _ = writeln!(out, "{} {}", style.bad("!"), wrap(line, 96, 2));
+    }
     for sentence in &a.words {
         let _ = writeln!(out, "{}", wrap(sentence, usize::from(WIDTH), 0));
     }

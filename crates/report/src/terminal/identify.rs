@@ -24,6 +24,9 @@ pub fn identify(a: &IdentifyAnswer, curves: &[Curve], style: Style) -> String {
     for curve in curves.iter().filter(|c| !c.measured.is_empty()) {
         let _ = writeln!(out, "\n{}", small_plot(curve, style));
     }
+    for line in &a.remarks {
+        let _ = writeln!(out, "{} {}", style.bad("!"), wrap(line, 96, 2));
+    }
     for line in a.sloppy.iter().take(SLOPPY_SHOWN) {
         let _ = writeln!(out, "{} {}", style.notice("!"), wrap(line, 96, 2));
     }

@@ -41,6 +41,9 @@ pub fn simulate(a: &SimulateAnswer, style: Style) -> String {
     }
     let s = &a.solver;
     let _ = writeln!(out, "\n{} steps, {} Newton iterations, {:.1} s", s.steps, s.iterations, s.seconds);
+    for line in &a.remarks {
+        let _ = writeln!(out, "{} {}", style.bad("!"), wrap(line, 96, 2));
+    }
     if let Some(why) = &a.stopped_because {
         let _ = writeln!(out, "{} {}", style.bad("Ended early:"), wrap(why, 86, 2));
     }

@@ -1,0 +1,33 @@
+//! What a reader should know about the numbers: meshes too coarse, steps too large.
+
+use crate::terminal::significant;
+use analysis::SimulatedTest;
+
+/// Fewer elements than this in the softening zone make a force that wavers with the mesh (three at least: Turon et al.
+/// 2007, 10.1016/j.engfracmech.2006.08.025).
+const LEAST_ELEMENTS: f64 = 3.0;
+/// A larger gap of the energy ledger, as a share of the external work, is too large.
+const LARGEST_GAP: f64 = 1e-3;
+
+/// Remarks on finished runs.
+pub fn remarks(tests: &[SimulatedTest]) -> Vec<String> {
+    let mesh = tests.iter().filter_map(|t| {
+        let n = t.softening_elements.filter(|n| *n < LEAST_ELEMENTS)?;
+        Some(format!(
+            "{}: the mesh is too coarse for this tear. Its softening zone spans {} elements of the path where it is \
+             shortest, fewer than {LEAST_ELEMENTS:.0}; path elements {} times smaller would resolve it (`path_size_mm`).",
+            t.name,
+            significant(n, 2),
+            significant((LEAST_ELEMENTS / n).min(1e3), 2)
+        ))
+    });
+    let steps = tests.iter().filter(|t| t.closure > LARGEST_GAP).map(|t| {
+        format!(
+            "{}: the steps are too large. The energies do not close by {:.2} % of the external work; smaller steps would \
+             (`step_mm`).",
+            t.name,
+            100.0 * t.closure
+        )
+    });
+    mesh.chain(steps).collect()
+}
