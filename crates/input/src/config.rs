@@ -200,19 +200,6 @@ pub struct PriorsConfig {
     pub given: BTreeMap<String, Prior>,
 }
 
-/// A part of the data kept out of the fit, to judge it by.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct HoldOut {
-    /// Name of the test.
-    pub test: String,
-    /// Name of a segment of it; `None`: not chosen by name.
-    pub segment: Option<String>,
-    /// From this time on, s.
-    pub from_s: Option<f64>,
-    /// Up to this time, s.
-    pub to_s: Option<f64>,
-}
-
 /// `[identify]`
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct IdentifyConfig {
@@ -226,12 +213,11 @@ pub struct IdentifyConfig {
     pub multi_start: usize,
     /// Priors.
     pub priors: PriorsConfig,
-    /// Data kept out of the fit; empty: none, or chosen by the command that needs it.
-    pub hold_out: Vec<HoldOut>,
     /// Fit a coarser mesh first, the given one last (true).
     pub coarse_first: bool,
-    /// Seed of every random choice (0).
-    pub seed: u64,
+    /// Where the bulk of the intact strip leaves the tear unexplained, a staged search ends with all parameters on
+    /// all records (true).
+    pub release_bulk: bool,
 }
 
 /// What is prescribed.
@@ -267,16 +253,8 @@ pub struct SolverConfig {
     pub tolerance: f64,
     /// Newton iterations before a step is cut (25).
     pub max_iterations: usize,
-    /// Smallest step as a share of `step_mm` (1e-6).
-    pub min_step_fraction: f64,
-    /// Most cuts of one step in succession (20).
-    pub max_cuts: usize,
     /// Integration of the interface.
     pub integration: Integration,
-    /// Viscous regularisation time of the interface, s; 0: off (0).
-    pub viscous_regularisation_s: f64,
-    /// Damage d from which a point counts as separated (0.999).
-    pub separated_damage: f64,
 }
 
 /// A figure format.

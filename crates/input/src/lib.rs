@@ -45,9 +45,8 @@ mod write;
 
 pub use case::{Case, Ends, Geometry, Grips, Leg, Location, Record, Test, TestKind};
 pub use config::{
-    BulkConfig, Control, EffectConfig, FibreInvariants, Figure, HoldOut, IdentifyConfig, Integration,
-    InterfaceConfig, MeshConfig, Mode, OptionValue, OutputConfig, Prior, PriorsConfig, Profile, SolverConfig,
-    Symmetry, Value,
+    BulkConfig, Control, EffectConfig, FibreInvariants, Figure, IdentifyConfig, Integration, InterfaceConfig,
+    MeshConfig, Mode, OptionValue, OutputConfig, Prior, PriorsConfig, Profile, SolverConfig, Symmetry, Value,
 };
 pub use diagnostics::{Diagnostic, Diagnostics, Excerpt, Severity};
 pub use keys::{Fallback, Key, Kind, Limits, keys};

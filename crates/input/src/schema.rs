@@ -102,9 +102,6 @@ fn of_key(key: &Key, spelling: &str, factor: f64) -> Value {
         Kind::Number { limits, .. } => number(limits, factor),
         Kind::Parameter { limits, list, .. } => parameter(limits, factor, *list),
         Kind::Priors => json!({ "type": ["boolean", "string", "object"] }),
-        Kind::HoldOut => {
-            json!({ "type": "array", "items": { "anyOf": [{ "type": "string" }, object(&of("identify.hold_out"))] } })
-        }
         Kind::Legs => json!({ "type": "array", "minItems": 1, "items": object(&of("tests.protocol")) }),
         Kind::Table if key.name == "effects" => json!({ "type": "object", "additionalProperties": false }),
         Kind::Table => object(&of(&key.name)),

@@ -2,8 +2,8 @@
 
 use crate::case::{Case, Ends, Geometry, Grips, Leg, Record, Test, absolute};
 use crate::config::{
-    BulkConfig, Control, EffectConfig, FibreInvariants, Figure, HoldOut, IdentifyConfig, Integration,
-    InterfaceConfig, MeshConfig, Mode, OptionValue, OutputConfig, Profile, SolverConfig, Symmetry, Value,
+    BulkConfig, Control, EffectConfig, FibreInvariants, Figure, IdentifyConfig, Integration, InterfaceConfig,
+    MeshConfig, Mode, OptionValue, OutputConfig, Profile, SolverConfig, Symmetry, Value,
 };
 use crate::units::{spell, spell_bulk_modulus};
 use params::Quantity;
@@ -248,11 +248,7 @@ fn identify(w: &mut Writer, i: &IdentifyConfig) {
     w.line("max_iterations", &i.max_iterations.to_string());
     w.line("multi_start", &i.multi_start.to_string());
     w.line("coarse_first", &i.coarse_first.to_string());
-    w.line("seed", &i.seed.to_string());
-    if !i.hold_out.is_empty() {
-        let parts: Vec<String> = i.hold_out.iter().map(hold_out).collect();
-        w.line("hold_out", &format!("[{}]", parts.join(", ")));
-    }
+    w.line("release_bulk", &i.release_bulk.to_string());
     match i.priors.literature {
         Some(on) if i.priors.given.is_empty() => w.line("priors", &on.to_string()),
         None => {
@@ -271,25 +267,13 @@ fn identify(w: &mut Writer, i: &IdentifyConfig) {
     }
 }
 
-fn hold_out(part: &HoldOut) -> String {
-    let mut out = vec![format!("test = {}", quoted(&part.test))];
-    out.extend(part.segment.as_ref().map(|s| format!("segment = {}", quoted(s))));
-    out.extend(part.from_s.map(|t| format!("from_s = {}", float(t))));
-    out.extend(part.to_s.map(|t| format!("to_s = {}", float(t))));
-    format!("{{ {} }}", out.join(", "))
-}
-
 fn solver(w: &mut Writer, s: &SolverConfig) {
     w.header("[solver]");
     w.optional("step", Quantity::Length, s.step_mm);
     w.text("control", if s.control == Control::Actuator { "actuator" } else { "path" });
     w.number("tolerance", Quantity::Dimensionless, s.tolerance);
     w.line("max_iterations", &s.max_iterations.to_string());
-    w.number("min_step_fraction", Quantity::Dimensionless, s.min_step_fraction);
-    w.line("max_cuts", &s.max_cuts.to_string());
     w.text("integration", if s.integration == Integration::Gauss { "gauss" } else { "nodal" });
-    w.number("viscous_regularisation", Quantity::Time, s.viscous_regularisation_s);
-    w.number("separated_damage", Quantity::Dimensionless, s.separated_damage);
 }
 
 fn output(w: &mut Writer, o: &OutputConfig) {

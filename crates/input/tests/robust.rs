@@ -153,7 +153,6 @@ g = 0.2
 tau_s = 1e1
 [identify]
 priors.bulk.k2 = { mean = 3, relative_sd = 0.5 }
-hold_out = [{ test = \"tearing\", to_s = 3 }]
 [output]
 fields = 3
 figures = [\"svg\"]

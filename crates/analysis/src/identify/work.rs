@@ -5,7 +5,8 @@ use crate::data::Measured;
 use crate::problem::FeProblem;
 use input::Case;
 use inverse::{
-    Fit, FitOptions, Free, Identifiability, Iterate, Objective, PredictError, Problem, quality, uncertainty,
+    Fit, FitOptions, Free, Identifiability, Iterate, MultiStart, Objective, PredictError, Problem, quality,
+    uncertainty,
 };
 use model::{Model, RunOptions};
 use nalgebra::DVector;
@@ -43,11 +44,27 @@ pub(crate) struct Work<'a> {
     /// the record any closer, and keeps a tissue that the literature knows.
     pub coarse_noise: f64,
     starts: Option<String>,
+    /// Whether there is a coarse mesh to begin on.
+    pub(super) coarse_level: bool,
+    /// χ² per degree of freedom that the latest stage left of its tests, with the record's noise.
+    pub(super) left: f64,
 }
 
 /// Free parameters as the optimiser sees them, at θ.
 pub fn frees(model: &Model, theta: &[f64], free: &[usize]) -> Vec<Free> {
     free.iter().map(|&i| Free { start: theta[i], ..Free::of(&model.parameters[i]) }).collect()
+}
+
+/// χ² per degree of freedom of a fit, with the record's noise as if it were white.
+fn reduced(measured: &Measured, fit: &Fit) -> f64 {
+    let misfit = measured.data.misfit(&fit.prediction.values);
+    let chi2: f64 = measured
+        .data
+        .blocks
+        .iter()
+        .map(|b| b.range.clone().map(|i| (misfit[i] / b.noise.sd).powi(2)).sum::<f64>())
+        .sum();
+    chi2 / misfit.len().saturating_sub(fit.theta.len()).max(1) as f64
 }
 
 impl<'a> Work<'a> {
@@ -65,6 +82,8 @@ impl<'a> Work<'a> {
             literature: case.identify.priors.literature.unwrap_or(false),
             coarse_noise: 0.0,
             starts: None,
+            coarse_level: false,
+            left: f64::NAN,
         }
     }
 
@@ -121,12 +140,24 @@ impl<'a> Work<'a> {
             history.push(HistoryEntry { stage, coarse, iterate: iterate.clone(), paths: paths.clone() });
             ControlFlow::Continue(())
         };
-        let fit = inverse::fit(&problem, &measured.data, &list, &fit_options, &mut observer)?;
+        let several = self.case.identify.multi_start;
+        // On the coarse mesh where there is one: that is where a search may still go astray.
+        let fit = if several > 1 && !starting && coarse == self.coarse_level {
+            let how = MultiStart { starts: several, ..MultiStart::default() };
+            let mut each = |_: usize, iterate: &Iterate| observer(iterate);
+            let ends = inverse::multi_start(&problem, &measured.data, &list, &fit_options, &how, &mut each)?;
+            let told = format!("{}: {}", stage.word(), ends.sentence());
+            self.starts = Some(self.starts.take().map_or(told.clone(), |s| format!("{s} {told}")));
+            ends.best
+        } else {
+            inverse::fit(&problem, &measured.data, &list, &fit_options, &mut observer)?
+        };
         self.runs += problem.runs();
         self.theta = problem.full(&fit.theta);
         if !coarse {
             self.iterations = self.iterations.max(fit.iterations);
         }
+        self.left = reduced(&measured, &fit);
         self.stopped.push((stage, fit.stop.sentence().to_owned(), fit.stop.converged()));
         if stage == Stage::Bulk && !coarse {
             self.held = Some(());

@@ -135,8 +135,6 @@ pub enum Kind {
     },
     /// `true`, `false`, `"literature"`, or a table of priors.
     Priors,
-    /// A list of test names or of `{ test, segment, from_s, to_s }`.
-    HoldOut,
     /// A list of legs.
     Legs,
     /// A table with keys of its own.

@@ -206,19 +206,13 @@ fn run(b: &mut Builder) {
             absent("off to identify, on to diagnose"),
             "literature's priors on or off, or priors of your own",
         )
-        .key(
-            "hold_out",
-            Kind::HoldOut,
-            absent("chosen by the command"),
-            "data kept out of the fit: test names, or { test, segment, from_s, to_s }",
-        )
         .key("coarse_first", Kind::Bool, Fallback::Bool(true), "fit on a coarser mesh first")
-        .key("seed", seed(), Fallback::Integer(0), "seed of every random choice");
-    b.section("identify.hold_out")
-        .key("test", Kind::Text, Fallback::Required, "name of the test")
-        .key("segment", Kind::Text, absent("any"), "name of a segment of it")
-        .key("from", number(Time, Limits::within(0.0, FOREVER)), absent("the start"), "from this time on")
-        .key("to", number(Time, Limits::within(0.0, FOREVER)), absent("the end"), "up to this time");
+        .key(
+            "release_bulk",
+            Kind::Bool,
+            Fallback::Bool(true),
+            "staged: fit everything at once where the intact strip's bulk leaves the tear unexplained",
+        );
     b.section("solver")
         .key(
             "step",
@@ -244,25 +238,11 @@ fn run(b: &mut Builder) {
             Fallback::Integer(25),
             "Newton iterations before a step is cut",
         )
-        .key("min_step_fraction", share(1.0), Fallback::Number(1e-6), "smallest step as a share of step_mm")
-        .key("max_cuts", integer(0, 100), Fallback::Integer(20), "most cuts of one step in succession")
         .key(
             "integration",
             choice(&["gauss", "nodal"]),
             word("gauss"),
             "2×2 points of the interface: Gauss or nodal",
-        )
-        .key(
-            "viscous_regularisation",
-            number(Time, Limits::within(0.0, FOREVER)),
-            Fallback::Number(0.0),
-            "viscous time of the interface, 0: off; its dissipation is reported",
-        )
-        .key(
-            "separated_damage",
-            number(Dimensionless, Limits { lower: 0.0, upper: 1.0, above: true, below: true }),
-            Fallback::Number(0.999),
-            "damage d from which a point counts as separated",
         );
     b.section("output")
         .key(

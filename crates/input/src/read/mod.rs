@@ -72,7 +72,7 @@ fn read(path: &Path, registry: &dyn EffectRegistry, sink: &Sink) -> Option<Case>
         bulk: model::bulk(&top),
         interface: model::interface(&top),
         effects: effects::effects(&top, registry, &tests),
-        identify: run::identify(&identify, &tests, priors),
+        identify: run::identify(&identify, priors),
         solver: run::solver(&top, &tests),
         output: run::output(&top),
         geometry,

@@ -211,6 +211,9 @@ fn how_sure(v: &View) -> Card {
         }
     }
     let mut body: String = facts.iter().map(|f| format!("<li>{f}</li>")).collect();
+    for told in v.current().iter().filter_map(|r| r.answer.starts.as_ref()) {
+        body.push_str(&format!("<li>{}</li>", escape(told)));
+    }
     for remark in v.current().iter().flat_map(|r| &r.answer.remarks) {
         body.push_str(&format!("<li class=\"bad\">{}</li>", escape(remark)));
     }

@@ -50,8 +50,12 @@ pub fn identify(a: &IdentifyAnswer, curves: &[Curve], style: Style) -> String {
         "\n{}",
         wrap(
             &format!(
-                "{} iterations, {} model runs, {:.1} s. {}",
-                a.iterations, a.forward_runs, a.seconds, a.stopped_because
+                "{} iterations, {} model runs, {:.1} s. {} {}",
+                a.iterations,
+                a.forward_runs,
+                a.seconds,
+                a.stopped_because,
+                a.starts.as_deref().unwrap_or_default()
             ),
             98,
             0
