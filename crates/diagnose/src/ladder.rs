@@ -37,6 +37,9 @@ pub struct Rung {
     pub structure_p: f64,
 }
 
+/// A larger reduced χ² with the record's noise alone leans on the model's numerical error to be explained.
+pub const LEANS: f64 = 2.0;
+
 impl Rung {
     /// A rung from a fit's quality. `rms` is over all force points; `structure_p` as
     /// [`crate::atlas::structure_p`] gives it. Nothing is held out yet.
@@ -78,6 +81,11 @@ impl Rung {
     fn largest_explained(&self, policy: &Policy) -> f64 {
         let spread = policy.explained_sigmas * (2.0 / self.freedom.max(1.0)).sqrt();
         policy.explained_chi2.max(1.0 + spread)
+    }
+
+    /// Whether only the model's numerical error, not the record's noise, makes the misfit small.
+    pub fn leans_on_the_mesh(&self) -> bool {
+        self.reduced_chi2 > LEANS
     }
 
     /// χ² above what noise alone would leave.

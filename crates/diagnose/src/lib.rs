@@ -21,7 +21,7 @@ pub mod words;
 
 pub use candidate::{Amplitude, Candidate, Shape, Side};
 pub use discover::discover;
-pub use ladder::{Hints, Ladder, Rung, pays, weights};
+pub use ladder::{Hints, LEANS, Ladder, Rung, pays, weights};
 pub use noise::{NoiseError, NoiseEstimate};
 pub use pairs::{Pair, separation};
 pub use policy::Policy;

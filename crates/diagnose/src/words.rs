@@ -63,7 +63,14 @@ pub fn verdict(d: &Discovery, policy: &Policy) -> String {
             } else {
                 format!(" Whether there is {} these records cannot say.", join(&blind, "or"))
             };
-            format!("Nothing is missing: the misfit is noise (reduced χ² {last:.2}).{blind}")
+            let why = match d.last().filter(|r| r.leans_on_the_mesh()) {
+                None => format!("the misfit is noise (reduced χ² {last:.2})"),
+                Some(r) => format!(
+                    "the misfit is no larger than noise and the mesh's own error (reduced χ² {last:.2}; {:.1} with the noise alone: a finer mesh may show more)",
+                    r.reduced_chi2
+                ),
+            };
+            format!("Nothing is missing: {why}.{blind}")
         }
         Verdict::Explained => format!(
             "Missing was {}: with it reduced χ² falls from {first:.2} to {last:.2}, and no rival does as well.",

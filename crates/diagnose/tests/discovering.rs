@@ -42,7 +42,13 @@ fn nothing_is_found_where_nothing_is_missing() {
     let (_, _, wrong, none) = tally(&[], 40);
     assert!(wrong <= 1, "{wrong} false alarms in 40");
     assert!(none >= 39);
-    assert_eq!(run(&[], 3).verdict, Verdict::NothingMissing);
+    let mut d = run(&[], 3);
+    assert_eq!(d.verdict, Verdict::NothingMissing);
+    // What only the mesh's error explains is not called noise.
+    let said = |d: &Discovery| words::verdict(d, &Policy::default());
+    assert!(said(&d).contains("the misfit is noise"), "{}", said(&d));
+    d.ladder[0].reduced_chi2 = 7.1;
+    assert!(said(&d).contains("7.1 with the noise alone"), "{}", said(&d));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The first screen: is the model good enough, where not, what is missing, how sure, what next.
 
 use super::place::{cameras, places};
-use super::view::View;
+use super::view::{Rung, View};
 use super::{code, escape, quoted};
 use crate::answer::ParameterAnswer;
 use crate::peek::{list, number, rows, text, yes};
@@ -61,6 +61,7 @@ fn good_enough(v: &View) -> Card {
     };
     let base = v.rungs.first().filter(|_| v.rungs.len() > 1);
     let head = match (good, base) {
+        (true, None) if now.leans_on_the_mesh().is_some() => "Yes, within the mesh's error".to_owned(),
         (true, None) => "Yes".to_owned(),
         (true, Some(b)) if b.answer.explained && v.run.info.command != "discover" => {
             "Yes, and the base model was".to_owned()
@@ -82,6 +83,13 @@ fn good_enough(v: &View) -> Card {
             significant(base.rms(), 3)
         ));
     }
+    if let Some(chi2) = now.leans_on_the_mesh().filter(|_| good) {
+        body.push_str(&format!(
+            "<p>With the record's noise alone it is <b>{}</b>: what is left is as large as the error of the mesh, and a finer one \
+             may show more.</p>",
+            significant(chi2, 3)
+        ));
+    }
     if now.answer.stages.iter().any(|s| !s.converged) {
         body.push_str("<p class=\"bad\">The search had not settled when it ended.</p>");
     }
@@ -93,8 +101,13 @@ fn place(v: &View) -> Card {
     let all = places(v);
     let fine = explained(v) && v.rungs.first().is_none_or(|base| v.rungs.len() < 2 || base.answer.explained);
     let Some(first) = all.first().filter(|_| !fine) else {
-        let body = "<p>What is left looks like the noise of the record.</p>".to_owned();
-        return Card { question, good: Some(true), head: "Nowhere beyond the noise".into(), body };
+        let (head, body) = match v.current().and_then(Rung::leans_on_the_mesh) {
+            None => ("Nowhere beyond the noise", "What is left looks like the noise of the record."),
+            Some(_) => {
+                ("Nowhere beyond the mesh's error", "What is left may be the mesh: see the misfit strips.")
+            }
+        };
+        return Card { question, good: Some(true), head: head.into(), body: format!("<p>{body}</p>") };
     };
     let items: String = all
         .iter()

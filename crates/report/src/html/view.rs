@@ -54,6 +54,12 @@ impl Rung {
         self.number("reduced_chi2_total").unwrap_or(self.answer.reduced_chi2_total)
     }
 
+    /// Reduced χ² with the record's noise alone, where it is large: the mesh's error hides what is left.
+    pub fn leans_on_the_mesh(&self) -> Option<f64> {
+        let chi2 = self.number("reduced_chi2").unwrap_or(self.answer.reduced_chi2);
+        (chi2 > diagnose::LEANS).then_some(chi2)
+    }
+
     /// Rms misfit over all force points, N.
     pub fn rms(&self) -> f64 {
         self.number("rms_N").unwrap_or(self.answer.rms_N)
