@@ -2,18 +2,21 @@
 //! held (`staged`), or all tests at once from there (`joint`).
 
 mod intervals;
+mod search;
 mod work;
 
+pub(crate) use search::stages;
 pub use work::frees;
 pub(crate) use work::{TRIAL_BUDGET, Work};
 
 use crate::data::{Measured, RecordError};
 use crate::held_out::{HeldOut, held_out};
 use crate::problem::Cancelled;
-use input::{Case, Mode, TestKind};
+use input::Case;
 use inverse::{Fit, FitError, Free, Iterate, Noise, PredictError, Quality, Uncertainty, Whitened};
-use model::{BuildError, Catalogue, Discretisation, Model, RunOptions, Site};
+use model::{BuildError, Catalogue, Discretisation, Model, RunOptions};
 use nalgebra::DVector;
+use search::{Search, UNEXPLAINED, staged};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -150,42 +153,6 @@ pub fn run_options(case: &Case) -> RunOptions {
     o
 }
 
-/// A stage, its parameters, its tests.
-pub(crate) type StagePlan = (Stage, Vec<usize>, Vec<bool>);
-
-/// A larger reduced χ² of the tear is not explained by the stages.
-const UNEXPLAINED: f64 = 2.0;
-/// Everything at once helps where it leaves this share of that, at most.
-const HELPED: f64 = 0.5;
-
-/// The stages of a case: which parameters on which tests.
-pub(crate) fn stages(model: &Model, mode: Mode) -> Vec<StagePlan> {
-    let has = |k: TestKind| model.tests.iter().any(|t| t.test.kind == k && t.test.record.is_some());
-    let (uniaxial, tearing) = (has(TestKind::Uniaxial), has(TestKind::Tearing));
-    let all: Vec<bool> = model.tests.iter().map(|t| t.test.record.is_some()).collect();
-    let only = |k: TestKind| -> Vec<bool> {
-        model.tests.iter().map(|t| t.test.kind == k && t.test.record.is_some()).collect()
-    };
-    let free = model.free();
-    if !(uniaxial && tearing) {
-        return vec![(Stage::Joint, free, all)];
-    }
-    let site = |i: usize| model.site_of(i);
-    let bulk: Vec<usize> = free.iter().copied().filter(|&i| site(i) == Site::Bulk).collect();
-    let rest: Vec<usize> = free.iter().copied().filter(|&i| site(i) == Site::Interface).collect();
-    let other = free.len() > bulk.len() + rest.len();
-    let mut out = vec![
-        (Stage::Bulk, bulk, only(TestKind::Uniaxial)),
-        (Stage::Interface, rest, only(TestKind::Tearing)),
-    ];
-    // Rig, specimen and sensor effects act on every test: they have no stage of their own.
-    if mode == Mode::Joint || other {
-        out.push((Stage::Joint, free, all));
-    }
-    out.retain(|s| !s.1.is_empty());
-    out
-}
-
 /// Identifies the parameters of a case.
 ///
 /// # Errors
@@ -201,79 +168,16 @@ pub fn identify(
     let wanted: Vec<bool> = fine.tests.iter().map(|t| t.test.record.is_some()).collect();
     let measured = Measured::of(&fine, &wanted)?;
     let mut work = Work::new(&case, fine.theta(), options, control);
-    let list = stages(&fine, case.identify.mode);
+    let mut list = stages(&fine, case.identify.mode);
     if list.is_empty() {
         return Err(AnalysisError::Case("no parameter is free".into()));
     }
-    work.coarse_level = coarse.is_some() && case.identify.coarse_first;
-    search(&case, catalogue, &fine, coarse.as_ref(), &mut work, &list)?;
-    let joint = list.iter().any(|s| s.0 == Stage::Joint);
-    let mut list = list;
-    if !joint && case.identify.release_bulk && work.left > UNEXPLAINED {
-        list.extend(release(&case, catalogue, &fine, coarse.as_ref(), &mut work)?);
+    let search = Search { case: &case, catalogue, fine: &fine, coarse: coarse.as_ref() };
+    search.run(&mut work, &list)?;
+    if case.identify.release_bulk && staged(&list) && work.tear_left > UNEXPLAINED {
+        list.extend(search.release(&mut work));
     }
     work.finish(fine, coarse, measured, &list)
-}
-
-/// A start, the stages on a coarse mesh, the stages on the given one.
-fn search(
-    case: &Arc<Case>,
-    catalogue: &Catalogue,
-    fine: &Model,
-    coarse: Option<&Model>,
-    work: &mut Work,
-    list: &[StagePlan],
-) -> Result<(), AnalysisError> {
-    // What is said of the end of a search is said of its last stages.
-    let before = work.stopped.len();
-    if case.identify.coarse_first
-        && let Some(start) = crate::start::one_area(case, catalogue, work, list)?
-    {
-        crate::start::spread(fine, &start, &mut work.theta);
-    }
-    if let Some(coarse) = coarse.filter(|_| case.identify.coarse_first) {
-        for (stage, free, tests) in list {
-            work.stage(coarse, *stage, free, tests, true)?;
-        }
-    }
-    work.stopped.truncate(before);
-    work.held = None;
-    // A joint search that was brought near on the coarse mesh needs no stages on the fine one.
-    let near = work.coarse_level;
-    let joint = list.iter().any(|s| s.0 == Stage::Joint);
-    for (stage, free, tests) in list.iter().filter(|s| !(near && joint) || s.0 == Stage::Joint) {
-        work.stage(fine, *stage, free, tests, false)?;
-    }
-    Ok(())
-}
-
-/// A bulk that the intact strip alone leaves open, along the valley of its sloppy combinations, may end where the tear
-/// cannot be explained: all parameters are then fitted to all records, from the beginning, since strengths that made up
-/// for a wrong bulk are a bad start. The stages stand where that does not help.
-fn release(
-    case: &Arc<Case>,
-    catalogue: &Catalogue,
-    fine: &Model,
-    coarse: Option<&Model>,
-    work: &mut Work,
-) -> Result<Option<StagePlan>, AnalysisError> {
-    let before = work.left;
-    let (theta, stopped, held) = (work.theta.clone(), work.stopped.len(), work.held);
-    work.theta = fine.theta();
-    let list = stages(fine, Mode::Joint);
-    search(case, catalogue, fine, coarse, work, &list)?;
-    if work.left > HELPED * before {
-        (work.theta, work.held) = (theta, held);
-        work.stopped.truncate(stopped);
-        return Ok(None);
-    }
-    if let Some(last) = work.stopped.last_mut() {
-        last.1 = format!(
-            "The intact strip's bulk left the tear at reduced χ² {before:.1}: everything was fitted to all records. {}",
-            last.1
-        );
-    }
-    Ok(list.into_iter().find(|s| s.0 == Stage::Joint))
 }
 
 /// The case with a mesh of about half the divisions, where the file gives divisions; otherwise the

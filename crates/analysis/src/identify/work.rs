@@ -3,12 +3,12 @@
 use super::{AnalysisError, Control, HistoryEntry, Identified, Progress, Stage};
 use crate::data::Measured;
 use crate::problem::FeProblem;
-use input::Case;
+use input::{Case, TestKind};
 use inverse::{
     Fit, FitOptions, Free, Identifiability, Iterate, MultiStart, Objective, PredictError, Problem, quality,
     uncertainty,
 };
-use model::{Model, RunOptions};
+use model::{Channel, Model, RunOptions};
 use nalgebra::DVector;
 use std::ops::ControlFlow;
 
@@ -43,11 +43,11 @@ pub(crate) struct Work<'a> {
     /// Share of each record's largest value that counts as noise at least: a start need not follow
     /// the record any closer, and keeps a tissue that the literature knows.
     pub coarse_noise: f64,
-    starts: Option<String>,
+    pub(super) starts: Option<String>,
     /// Whether there is a coarse mesh to begin on.
     pub(super) coarse_level: bool,
-    /// χ² per degree of freedom that the latest stage left of its tests, with the record's noise.
-    pub(super) left: f64,
+    /// χ² per point that the latest stage left of the tearing records, if it saw them.
+    pub(super) tear_left: f64,
 }
 
 /// Free parameters as the optimiser sees them, at θ.
@@ -55,16 +55,17 @@ pub fn frees(model: &Model, theta: &[f64], free: &[usize]) -> Vec<Free> {
     free.iter().map(|&i| Free { start: theta[i], ..Free::of(&model.parameters[i]) }).collect()
 }
 
-/// χ² per degree of freedom of a fit, with the record's noise as if it were white.
-fn reduced(measured: &Measured, fit: &Fit) -> f64 {
+/// χ² per point of the tearing records, with their noise as if it were white; none: not a number.
+fn tear_left(model: &Model, measured: &Measured, fit: &Fit) -> f64 {
     let misfit = measured.data.misfit(&fit.prediction.values);
-    let chi2: f64 = measured
-        .data
-        .blocks
-        .iter()
-        .map(|b| b.range.clone().map(|i| (misfit[i] / b.noise.sd).powi(2)).sum::<f64>())
-        .sum();
-    chi2 / misfit.len().saturating_sub(fit.theta.len()).max(1) as f64
+    let (mut chi2, mut points) = (0.0, 0.0);
+    for (slot, block) in measured.slots.iter().zip(&measured.data.blocks) {
+        if model.tests[slot.test].test.kind == TestKind::Tearing && slot.channel == Channel::Force {
+            chi2 += block.range.clone().map(|i| (misfit[i] / block.noise.sd).powi(2)).sum::<f64>();
+            points += block.range.len() as f64;
+        }
+    }
+    chi2 / points
 }
 
 impl<'a> Work<'a> {
@@ -83,7 +84,7 @@ impl<'a> Work<'a> {
             coarse_noise: 0.0,
             starts: None,
             coarse_level: false,
-            left: f64::NAN,
+            tear_left: f64::NAN,
         }
     }
 
@@ -157,7 +158,7 @@ impl<'a> Work<'a> {
         if !coarse {
             self.iterations = self.iterations.max(fit.iterations);
         }
-        self.left = reduced(&measured, &fit);
+        self.tear_left = tear_left(model, &measured, &fit);
         self.stopped.push((stage, fit.stop.sentence().to_owned(), fit.stop.converged()));
         if stage == Stage::Bulk && !coarse {
             self.held = Some(());

@@ -1,0 +1,109 @@
+//! The stages of a search, and their order on the coarse and the given mesh.
+
+use super::work::Work;
+use super::{AnalysisError, Stage};
+use input::{Case, Mode, TestKind};
+use model::{Catalogue, Model, Site};
+use std::sync::Arc;
+
+/// A larger χ² per point of the tear is not explained by the stages.
+pub(super) const UNEXPLAINED: f64 = 2.0;
+/// Everything at once helps where it leaves this share of that, at most.
+const HELPED: f64 = 0.5;
+
+/// A stage, its parameters, its tests.
+pub(crate) type StagePlan = (Stage, Vec<usize>, Vec<bool>);
+
+/// The stages of a case: which parameters on which tests.
+pub(crate) fn stages(model: &Model, mode: Mode) -> Vec<StagePlan> {
+    let has = |k: TestKind| model.tests.iter().any(|t| t.test.kind == k && t.test.record.is_some());
+    let (uniaxial, tearing) = (has(TestKind::Uniaxial), has(TestKind::Tearing));
+    let all: Vec<bool> = model.tests.iter().map(|t| t.test.record.is_some()).collect();
+    let only = |k: TestKind| -> Vec<bool> {
+        model.tests.iter().map(|t| t.test.kind == k && t.test.record.is_some()).collect()
+    };
+    let free = model.free();
+    if !(uniaxial && tearing) {
+        return vec![(Stage::Joint, free, all)];
+    }
+    let site = |i: usize| model.site_of(i);
+    let bulk: Vec<usize> = free.iter().copied().filter(|&i| site(i) == Site::Bulk).collect();
+    let rest: Vec<usize> = free.iter().copied().filter(|&i| site(i) == Site::Interface).collect();
+    let other = free.len() > bulk.len() + rest.len();
+    let mut out = vec![
+        (Stage::Bulk, bulk, only(TestKind::Uniaxial)),
+        (Stage::Interface, rest, only(TestKind::Tearing)),
+    ];
+    // Rig, specimen and sensor effects act on every test: they have no stage of their own.
+    if mode == Mode::Joint || other {
+        out.push((Stage::Joint, free, all));
+    }
+    out.retain(|s| !s.1.is_empty());
+    out
+}
+
+/// Whether bulk and interface have a stage each and never move together.
+pub(super) fn staged(list: &[StagePlan]) -> bool {
+    let has = |stage: Stage| list.iter().any(|s| s.0 == stage);
+    has(Stage::Bulk) && has(Stage::Interface) && !has(Stage::Joint)
+}
+
+/// What a search works on.
+pub(super) struct Search<'s> {
+    pub case: &'s Arc<Case>,
+    pub catalogue: &'s Catalogue,
+    pub fine: &'s Model,
+    pub coarse: Option<&'s Model>,
+}
+
+impl Search<'_> {
+    /// A start, the stages on a coarse mesh, the stages on the given one.
+    pub fn run(&self, work: &mut Work, list: &[StagePlan]) -> Result<(), AnalysisError> {
+        // What is said of the end of a search is said of its last stages.
+        let before = work.stopped.len();
+        let coarse = self.coarse.filter(|_| self.case.identify.coarse_first);
+        work.coarse_level = coarse.is_some();
+        if self.case.identify.coarse_first
+            && let Some(start) = crate::start::one_area(self.case, self.catalogue, work, list)?
+        {
+            crate::start::spread(self.fine, &start, &mut work.theta);
+        }
+        if let Some(coarse) = coarse {
+            for (stage, free, tests) in list {
+                work.stage(coarse, *stage, free, tests, true)?;
+            }
+        }
+        work.stopped.truncate(before);
+        work.held = None;
+        // A joint search that was brought near on the coarse mesh needs no stages on the fine one.
+        let straight = coarse.is_some() && list.iter().any(|s| s.0 == Stage::Joint);
+        for (stage, free, tests) in list.iter().filter(|s| !straight || s.0 == Stage::Joint) {
+            work.stage(self.fine, *stage, free, tests, false)?;
+        }
+        Ok(())
+    }
+
+    /// A bulk that the intact strip alone leaves open, along the valley of its sloppy combinations, may end where the
+    /// tear cannot be explained: all parameters are then fitted to all records, from the beginning, since strengths that
+    /// made up for a wrong bulk are a bad start. The stages stand where that does not help.
+    pub fn release(&self, work: &mut Work) -> Option<StagePlan> {
+        let before = work.tear_left;
+        let (theta, held, starts) = (work.theta.clone(), work.held, work.starts.clone());
+        let stopped = work.stopped.len();
+        work.theta = self.fine.theta();
+        let list = stages(self.fine, Mode::Joint);
+        // A search that cannot begin helps as little; one that the user stops ends at the closing run.
+        if self.run(work, &list).is_err() || work.tear_left > HELPED * before {
+            (work.theta, work.held, work.starts) = (theta, held, starts);
+            work.stopped.truncate(stopped);
+            return None;
+        }
+        if let Some(last) = work.stopped.last_mut() {
+            last.1 = format!(
+                "The intact strip's bulk left the tear at χ² {before:.1} per point: everything was fitted to all records. {}",
+                last.1
+            );
+        }
+        list.into_iter().find(|s| s.0 == Stage::Joint)
+    }
+}
