@@ -6,13 +6,13 @@ use diagnose::dependence::{Variable, dependence, protocol_variables};
 use diagnose::{RecordKind, Segment, words};
 use input::{Record, Test, TestKind};
 use model::Channel;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Stretches of the tear path that are told apart.
 const STRETCHES: usize = 8;
 
 /// The segments of a test's record.
-pub fn segments(test: &Test, record: &Record) -> Vec<Segment> {
+pub(crate) fn segments(test: &Test, record: &Record) -> Vec<Segment> {
     let kind = match test.kind {
         TestKind::Uniaxial => RecordKind::Intact,
         TestKind::Tearing => RecordKind::Tearing,
@@ -48,7 +48,7 @@ impl Residuals {
 }
 
 /// A segment's share of the whole misfit.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Where {
     /// Test.
     pub test: String,

@@ -2,7 +2,7 @@
 
 mod answer;
 mod columns;
-pub mod compare;
+mod compare;
 mod data;
 mod held_out;
 mod identify;

@@ -83,8 +83,7 @@ impl Session {
         Err(Failure::usage(faults.join("\n")))
     }
 
-    /// The case of a finished identification, with the identified values as its start: what
-    /// `compare`, `diagnose` and `discover` continue from.
+    /// The case of a finished identification, with the identified values as its start: what `diagnose` continues from.
     ///
     /// # Errors
     /// Everything that is wrong with the files.

@@ -196,7 +196,7 @@ fn by_tear_front(all: &[Residuals]) -> String {
         let ends = if s.to_mm > s.from_mm {
             format!("{} – {}", significant(s.from_mm, 3), significant(s.to_mm, 3))
         } else {
-            format!("{}, at rest", significant(s.from_mm, 3))
+            format!("{}, not yet torn", significant(s.from_mm, 3))
         };
         vec![
             Cell::left(s.test.clone()),
