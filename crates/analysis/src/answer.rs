@@ -200,7 +200,7 @@ pub fn diagnose(
     let explained = rung.explained(&policy);
     let mut screen = screen;
     // As in the whole loop: what is left on an explained record must be large to be named.
-    if explained && screen.findings.iter().all(|f| f.fall < policy.min_fall_explained) {
+    if explained && screen.findings.iter().all(|f| f.fall < rung.least_fall(&policy)) {
         screen.set_aside_significant();
     }
     let called: Vec<&Finding> = screen.findings.iter().filter(|f| f.significant && !f.set_aside).collect();

@@ -245,17 +245,15 @@ impl<L: Ladder> Search<'_, L> {
     fn shortlist(&self, current: &Rung, screen: &Screen) -> Vec<String> {
         let mut names: Vec<String> = Vec::new();
         let new = |f: &&crate::Finding| f.significant && !current.effects.contains(&f.effect);
-        let least = if current.explained(self.policy) {
+        if current.explained(self.policy) && current.leans_on_the_mesh() {
             let best = screen.findings.iter().filter(new).map(|f| f.fall).fold(0.0, f64::max);
             let alike = screen.findings.iter().filter(new).filter(|f| f.fall >= 0.5 * best).count();
-            if alike > self.policy.most_alike_explained {
+            if alike > self.policy.most_alike_leaning {
                 return names;
             }
-            // What would not pay for itself even at twice the promise is not worth a fit.
-            0.5 * self.policy.min_fall_explained
-        } else {
-            0.0
-        };
+        }
+        // What would not pay for itself even at twice the promise is not worth a fit.
+        let least = if current.explained(self.policy) { 0.5 * current.least_fall(self.policy) } else { 0.0 };
         let mut significant: Vec<_> = screen
             .findings
             .iter()

@@ -88,6 +88,15 @@ impl Rung {
         self.reduced_chi2 > LEANS
     }
 
+    /// Least fall of χ² that makes an effect worth adding: more than BIC asks for where χ² is small already.
+    pub fn least_fall(&self, policy: &Policy) -> f64 {
+        match (self.reduced_chi2_total() <= self.largest_explained(policy), self.leans_on_the_mesh()) {
+            (false, _) => 0.0,
+            (true, false) => policy.min_fall_explained,
+            (true, true) => policy.min_fall_leaning,
+        }
+    }
+
     /// χ² above what noise alone would leave.
     pub fn excess(&self) -> f64 {
         (self.chi2_total - self.freedom).max(0.0)
@@ -98,10 +107,9 @@ impl Rung {
 /// the excess goes, and the held-out points are not predicted worse than their sampling spread allows.
 pub fn pays(before: &Rung, after: &Rung, policy: &Policy) -> bool {
     let gain = before.chi2_total - after.chi2_total;
-    let quiet = before.reduced_chi2_total() <= before.largest_explained(policy);
     before.bic - after.bic >= policy.add_bic
         && gain >= policy.min_share * before.excess()
-        && (!quiet || gain >= policy.min_fall_explained)
+        && gain >= before.least_fall(policy)
         && !held_out_worse(before, after, policy)
 }
 

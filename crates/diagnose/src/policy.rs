@@ -43,12 +43,15 @@ pub struct Policy {
     /// The same where the record stays unexplained in the end: an effect that takes less is not named, since
     /// anything smooth bends a little towards what the catalogue does not hold.
     pub min_share_unexplained: f64,
-    /// Least fall of χ² by an effect that is added to a model whose χ² noise explains already: p = 1e-7 or
-    /// so, since what is left there is of the size of mesh errors and of the noise's uncertain level.
+    /// Least fall of χ² by an effect that is added to a model whose χ² noise explains already: p = 1e-5 or
+    /// so, since the noise's level and correlation are themselves estimates.
     pub min_fall_explained: f64,
+    /// The same where the misfit is small only if the mesh's error is allowed for
+    /// ([`crate::Rung::leans_on_the_mesh`]): p = 1e-7 or so, since what is left is of the size of that error.
+    pub min_fall_leaning: f64,
     /// Most effects that may promise at least half of the best one's fall on such a record, for any to be
     /// named: where many do, it is the error of the mesh that they bend towards.
-    pub most_alike_explained: usize,
+    pub most_alike_leaning: usize,
     /// An effect is confirmed when the held-out χ² falls at least by this share (0: any fall).
     pub held_out_fall: f64,
     /// Largest number of effects.
@@ -80,8 +83,9 @@ impl Default for Policy {
             drop_bic: 6.0,
             tie_bic: 6.0,
             min_share: 0.05,
-            min_fall_explained: 30.0,
-            most_alike_explained: 3,
+            min_fall_explained: 20.0,
+            min_fall_leaning: 30.0,
+            most_alike_leaning: 3,
             min_share_unexplained: 0.25,
             held_out_fall: 0.0,
             max_effects: 4,
