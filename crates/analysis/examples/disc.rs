@@ -32,7 +32,8 @@ fn main() {
                     t.elapsed().as_secs_f64(),
                     l.runs()
                 );
-                for r in &d.ladder {
+                let tried = d.tried.iter().filter(|r| !d.ladder.contains(r));
+                for r in d.ladder.iter().chain(tried) {
                     println!(
                         "   {:?} p {} rms {:.5} chi2 {:.2} tot {:.2} bic {:.0} held {:?} struct {:.1e}",
                         r.effects,

@@ -11,6 +11,7 @@ mod needs;
 mod parsimony;
 mod priors;
 mod problem;
+mod reach;
 mod simulate;
 mod start;
 mod strip;

@@ -10,7 +10,7 @@ use model::{Catalogue, Discretisation, Model};
 use std::sync::Arc;
 
 /// What counts as noise while a start is sought, as a share of the largest force.
-const START_NOISE: f64 = 0.03;
+pub(crate) const START_NOISE: f64 = 0.03;
 
 /// How much coarser than the given mesh the search for the start is.
 const COARSEN: f64 = 3.0;
@@ -20,7 +20,7 @@ const LEVEL_COARSEN: f64 = 2.0;
 
 /// Fits one area on a coarse mesh. Returns the whole one-area model with its values, or `None`
 /// when the file gives each area its own start, or there is nothing to do.
-pub(crate) fn one_area(
+fn one_area(
     case: &Arc<Case>,
     catalogue: &Catalogue,
     work: &mut Work,
@@ -186,13 +186,27 @@ pub(crate) fn for_case(
     let mut work = Work::new(case, fine.theta(), options, control);
     work.literature = case.identify.priors.literature.unwrap_or(true);
     let list = crate::identify::stages(&fine, input::Mode::Staged);
-    one_area(case, catalogue, &mut work, &list)
+    find(case, catalogue, &mut work, &list)
+}
+
+/// A start for a search: one area for the tear; else, where the file's own values do not lead to the end of a record,
+/// what the parts of it say that they lead to.
+pub(crate) fn find(
+    case: &Arc<Case>,
+    catalogue: &Catalogue,
+    work: &mut Work,
+    list: &[(Stage, Vec<usize>, Vec<bool>)],
+) -> Result<Option<Start>, AnalysisError> {
+    match one_area(case, catalogue, work, list)? {
+        Some(start) => Ok(Some(start)),
+        None => crate::reach::reaching(case, catalogue, work),
+    }
 }
 
 /// A model with fewer areas, with its fitted values.
 pub(crate) struct Start {
-    theta: Vec<f64>,
-    model: Model,
+    pub theta: Vec<f64>,
+    pub model: Model,
 }
 
 /// Copies the start into the parameters of the real model: the same path, or the value of the
@@ -220,7 +234,7 @@ pub(crate) fn spread(fine: &Model, start: &Start, theta: &mut [f64]) {
 
 /// (Gc, σc) of the order the tearing record asks for: work per torn area, and the peak force per
 /// ligament area.
-fn from_record(case: &Case) -> (f64, f64) {
+pub(crate) fn from_record(case: &Case) -> (f64, f64) {
     let g = &case.geometry;
     let area = (g.width - g.cut) * g.thickness;
     let mut out = (0.0f64, 0.0f64);

@@ -6,6 +6,9 @@ use crate::verdict::{Discovery, Verdict};
 use crate::{Policy, Screen};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Share of the best promise that counts as about as much.
+const AS_MUCH: f64 = 0.8;
+
 struct Search<'a, L: Ladder> {
     ladder: &'a mut L,
     policy: &'a Policy,
@@ -208,7 +211,7 @@ impl<L: Ladder> Search<'_, L> {
     /// are fitted together, then the next lot.
     fn best_single(&mut self, current: &Rung, screen: &Screen) -> Option<Rung> {
         let promise = |e: &String| screen.finding(e).map_or(0.0, |f| f.fall);
-        let about_as_much = |most: f64| 0.8 * most;
+        let about_as_much = |most: f64| AS_MUCH * most;
         let mut left = self.shortlist(current, screen);
         let (mut best, mut enough): (Option<Rung>, f64) = (None, 0.0);
         while !left.is_empty() {
@@ -260,7 +263,10 @@ impl<L: Ladder> Search<'_, L> {
             .filter(|f| f.significant && f.fall >= least && !current.effects.contains(&f.effect))
             .collect();
         significant.sort_by(|a, b| b.fall.total_cmp(&a.fall).then(a.effect.cmp(&b.effect)));
-        for f in significant.into_iter().take(self.policy.refits) {
+        // A linear promise is no more exact than that: who promises about as much as the best gets a fit.
+        let close = AS_MUCH * significant.first().map_or(0.0, |f| f.fall);
+        let close = significant.iter().filter(|f| f.fall >= close).count();
+        for f in significant.into_iter().take(close.clamp(self.policy.refits, 2 * self.policy.refits)) {
             let alike = f.look_alikes.iter().filter(|e| {
                 screen.finding(e).is_some_and(|o| o.fall >= self.policy.min_fall || o.refit_only)
             });

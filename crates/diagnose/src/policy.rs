@@ -27,7 +27,8 @@ pub struct Policy {
     pub seed: u64,
     /// Family-wise level for a pair of effects neither of which is significant alone.
     pub pair_alpha: f64,
-    /// How many effects of a screen are refitted (besides their look-alikes).
+    /// How many effects of a screen are refitted (besides their look-alikes); up to twice as many where they
+    /// promise about as much as the best.
     pub refits: usize,
     /// How many pairs are refitted where the single best leaves structure.
     pub pair_refits: usize,

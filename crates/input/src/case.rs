@@ -217,6 +217,17 @@ impl Record {
         self.time.len()
     }
 
+    /// Keeps the first rows.
+    pub fn truncate(&mut self, rows: usize) {
+        for column in [&mut self.time, &mut self.displacement, &mut self.force] {
+            column.truncate(rows);
+        }
+        for camera in [&mut self.grip_displacement, &mut self.tear_front, &mut self.width_change] {
+            camera.iter_mut().for_each(|c| c.truncate(rows));
+        }
+        self.segment.iter_mut().for_each(|s| s.truncate(rows));
+    }
+
     /// Whether there are no rows; never true for a record that was read from a file.
     pub fn is_empty(&self) -> bool {
         self.time.is_empty()

@@ -94,4 +94,7 @@ pub struct Parameter {
     pub value: f64,
     /// Whether an identification may change it.
     pub free: bool,
+    /// Whether it is held only because its given value is a limit ([`Transform::is_limit`]) at which no search
+    /// can start.
+    pub held_at_limit: bool,
 }

@@ -41,6 +41,18 @@ impl Transform {
         }
     }
 
+    /// Whether a search cannot start at `x`: a limit (no fibres, all fibres along one line) that lies at infinity.
+    pub fn is_limit(self, x: f64) -> bool {
+        match self {
+            Self::Identity => false,
+            Self::Log => x <= 0.0,
+            Self::Logit { lower, upper } => {
+                let hair = 1e-12 * (upper - lower);
+                x <= lower + hair || x >= upper - hair
+            }
+        }
+    }
+
     /// dx/dz at the physical value `x`.
     pub fn slope(self, x: f64) -> f64 {
         match self {
@@ -62,6 +74,16 @@ mod tests {
             for t in [Transform::Identity, Transform::Log, Transform::Logit { lower: 0.0, upper: 1.0 / 3.0 }] {
                 prop_assert!((t.backward(t.forward(x)) - x).abs() < 1e-12);
             }
+        }
+
+        #[test]
+        fn only_the_open_ends_are_limits(x in 0.01f64..0.32) {
+            let angle = Transform::Logit { lower: 0.0, upper: 1.0 / 3.0 };
+            for t in [Transform::Identity, Transform::Log, angle] {
+                prop_assert!(!t.is_limit(x));
+            }
+            prop_assert!(Transform::Log.is_limit(0.0) && !Transform::Identity.is_limit(0.0));
+            prop_assert!(angle.is_limit(0.0) && angle.is_limit(1.0 / 3.0) && !angle.is_limit(0.3333));
         }
 
         #[test]

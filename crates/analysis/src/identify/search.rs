@@ -64,7 +64,7 @@ impl Search<'_> {
         let coarse = self.coarse.filter(|_| self.case.identify.coarse_first);
         work.coarse_level = coarse.is_some();
         if self.case.identify.coarse_first
-            && let Some(start) = crate::start::one_area(self.case, self.catalogue, work, list)?
+            && let Some(start) = crate::start::find(self.case, self.catalogue, work, list)?
         {
             crate::start::spread(self.fine, &start, &mut work.theta);
         }

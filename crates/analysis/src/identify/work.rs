@@ -55,6 +55,13 @@ pub fn frees(model: &Model, theta: &[f64], free: &[usize]) -> Vec<Free> {
     free.iter().map(|&i| Free { start: theta[i], ..Free::of(&model.parameters[i]) }).collect()
 }
 
+/// Runs of a search: given up early where they are hopeless, and no more exact than a step needs.
+fn quick(problem: &mut FeProblem) {
+    problem.options.march.budget = TRIAL_BUDGET;
+    let newton = &mut problem.options.march.newton;
+    newton.tolerance = newton.tolerance.max(SEARCH_TOLERANCE);
+}
+
 /// χ² per point of the tearing records, with their noise as if it were white; none: not a number.
 fn tear_left(model: &Model, measured: &Measured, fit: &Fit) -> f64 {
     let misfit = measured.data.misfit(&fit.prediction.values);
@@ -88,6 +95,20 @@ impl<'a> Work<'a> {
         }
     }
 
+    /// A problem whose runs are given up early: a search need not wait for a hopeless trial.
+    pub fn trial<'p>(
+        &'p self,
+        model: &'p Model,
+        theta: Vec<f64>,
+        free: Vec<usize>,
+        slots: &'p [crate::data::Slot],
+    ) -> FeProblem<'p> {
+        let mut problem = FeProblem::new(model, theta, free, slots, self.options, self.control.cancelled);
+        quick(&mut problem);
+        problem
+    }
+
+    /// One stage from the present values: its parameters on its tests.
     pub fn stage(
         &mut self,
         model: &Model,
@@ -104,14 +125,6 @@ impl<'a> Work<'a> {
         let mut list = frees(model, &self.theta, free);
         crate::priors::add(&mut list, self.case, self.literature || starting);
         let paths: Vec<String> = list.iter().map(|f| f.path.clone()).collect();
-        let problem = FeProblem::new(
-            model,
-            self.theta.clone(),
-            free.to_vec(),
-            &measured.slots,
-            self.options,
-            self.control.cancelled,
-        );
         let whitened = stage == Stage::Joint || starting;
         let objective = if whitened { Objective::Record } else { Objective::PaperSum };
         let fit_options = FitOptions {
@@ -131,10 +144,15 @@ impl<'a> Work<'a> {
             max_step: if stage == Stage::Bulk { 1.5 } else { 0.5 },
             ..FitOptions::default()
         };
-        let mut problem = problem;
-        problem.options.march.budget = TRIAL_BUDGET;
-        let newton = &mut problem.options.march.newton;
-        newton.tolerance = newton.tolerance.max(SEARCH_TOLERANCE);
+        let mut problem = FeProblem::new(
+            model,
+            self.theta.clone(),
+            free.to_vec(),
+            &measured.slots,
+            self.options,
+            self.control.cancelled,
+        );
+        quick(&mut problem);
         let (progress, history) = (self.control.progress, &mut self.history);
         let mut observer = |iterate: &Iterate| {
             progress(&Progress { stage, coarse, iterate, paths: &paths });

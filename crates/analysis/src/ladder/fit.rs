@@ -26,10 +26,14 @@ const UNEXPLAINED: f64 = 1.5;
 const TRIALS: usize = 5;
 
 /// Reduced χ² beyond which a model is far from the record.
-const FAR: f64 = 3.0;
+pub(super) const FAR: f64 = 3.0;
 
 /// Shares of the screen's amplitude from which a rung's fit begins, in turn.
 const AMPLITUDES: [f64; 2] = [1.0, 0.05];
+
+/// A tear path that lacked an effect may have been bent far from its own strength and toughness: these factors of
+/// the fitted ones (σc, Gc) leave the effect its share.
+const BRITTLE: [(&str, f64); 2] = [("sigma_c", 3.0), ("gc", 0.5)];
 
 /// A rung whose objective is this many times its base's has lost its way.
 const WORSE: f64 = 1.05;
@@ -146,6 +150,31 @@ impl FeLadder<'_> {
             }
         }
         best
+    }
+
+    /// Once more where an effect of the tear path leaves the model far from the record: from a stronger, more brittle
+    /// path and the effect's own start. The better of the two fits.
+    pub(super) fn from_a_brittle_path(&self, effects: &[String], first: Fitted) -> Fitted {
+        let key = Self::key(effects);
+        let on_path =
+            |e: &String| self.catalogue.get(e).is_some_and(|e| e.card().site == model::Site::Interface);
+        let (true, Some(base)) = (effects.last().is_some_and(on_path), self.nearest(&key)) else {
+            return first;
+        };
+        let case = case_with(&self.case, &self.configs(effects, &diagnose::Hints::new(), base, 1.0));
+        let Ok(model) = Model::new(Arc::new(case), self.catalogue, self.how) else { return first };
+        let mut theta = transfer(&base.model, &base.theta, &model);
+        for (t, p) in theta.iter_mut().zip(&model.parameters) {
+            let what = p.path.strip_prefix("interface.area[").and_then(|r| r.split_once("].")).map(|r| r.1);
+            if let Some((_, factor)) = BRITTLE.iter().find(|b| p.free && Some(b.0) == what) {
+                *t = (*t * factor).clamp(p.spec.lower, p.spec.upper);
+            }
+        }
+        (self.progress)(&format!("{}: once more from a more brittle path", super::named(effects)));
+        match self.fit_rung(model, theta, base.correction.clone(), Vec::new()) {
+            Ok(f) if f.fit.f < first.fit.f => f,
+            _ => first,
+        }
     }
 
     /// The states of a fitted rung as first guesses for another model of the same tests.

@@ -136,7 +136,14 @@ impl diagnose::Ladder for FeLadder<'_> {
             let fitted = this.fit_near_neutral_if_need_be(&key, effects, hints)?;
             this.enrich(fitted).map(Some)
         };
-        let fitted: Vec<Result<Option<Fitted>, AnalysisError>> = sets.par_iter().map(one).collect();
+        let mut fitted: Vec<Result<Option<Fitted>, AnalysisError>> = sets.par_iter().map(one).collect();
+        let all_far = |f: &Result<Option<Fitted>, AnalysisError>| !matches!(f, Ok(Some(f)) if f.quality.reduced_chi2_total <= fit::FAR);
+        if fitted.iter().all(all_far) {
+            let again = |(effects, first): (&Vec<String>, Result<Option<Fitted>, AnalysisError>)| {
+                Ok(first?.map(|f| this.from_a_brittle_path(effects, f)))
+            };
+            fitted = sets.par_iter().zip(fitted).map(again).collect();
+        }
         let keep = |(effects, fitted): (&Vec<String>, Result<Option<Fitted>, AnalysisError>)| {
             let key = Self::key(effects);
             if let Some(f) = fitted? {

@@ -54,6 +54,10 @@ fn heading(case: &Case, model: &Model, free: &[&str]) -> String {
         out.push_str(&format!("\n# test {}: {points}, {} unknowns", t.test.name, t.unknowns()));
     }
     let list = wrap(&free.join(", "), 94, 0).replace('\n', "\n#   ");
-    out.push_str(&format!("\n# {} free parameters: {list}\n\n", free.len()));
+    out.push_str(&format!("\n# {} free parameters: {list}\n", free.len()));
+    if let Some(held) = ::report::answer::held_at_limits(&model.parameters) {
+        out.push_str(&format!("# {}\n", wrap(&held, 94, 0).replace('\n', "\n#   ")));
+    }
+    out.push('\n');
     out
 }

@@ -221,9 +221,12 @@ fn between(at: f64, m: usize) -> (usize, usize, f64) {
 fn parameter(path: String, mut spec: ParamSpec, value: &Value) -> Parameter {
     spec.lower = value.min.unwrap_or(spec.lower);
     spec.upper = value.max.unwrap_or(spec.upper);
-    let free = !value.fixed.unwrap_or(spec.fixed);
+    // k2 = 0, κ = 0, γ = 90°: the user chose a limit of the law; a search over orders of magnitude cannot start there.
+    let held_at_limit =
+        value.fixed.is_none() && !spec.fixed && value.value.is_some_and(|v| spec.transform.is_limit(v));
+    let free = !held_at_limit && !value.fixed.unwrap_or(spec.fixed);
     let start = value.value.unwrap_or(spec.start);
     // A start inside the bounds the file gives.
     let start = if value.value.is_none() { start.clamp(spec.lower, spec.upper) } else { start };
-    Parameter { path, value: start, free, spec }
+    Parameter { path, value: start, free, held_at_limit, spec }
 }

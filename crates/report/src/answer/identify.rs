@@ -1,6 +1,6 @@
 //! The answer of `fct identify`.
 
-use super::remarks::remarks;
+use super::remarks::{held_at_limits, remarks};
 use super::{EnergyAnswer, SCHEMA, finite};
 use crate::published::Published;
 use analysis::{HistoryEntry, Identified, SimulatedTest};
@@ -211,7 +211,7 @@ impl IdentifyAnswer {
             stages,
             sloppy: done.uncertainty.sloppy_directions(),
             correlations: correlations(done),
-            remarks: remarks(replayed),
+            remarks: held_at_limits(&done.model.parameters).into_iter().chain(remarks(replayed)).collect(),
             history: histories(&done.history),
             starts: done.starts.clone(),
         }

@@ -4,6 +4,7 @@
 mod compare;
 mod identify;
 mod remarks;
+pub use remarks::held_at_limits;
 mod simulate;
 
 pub use compare::CompareAnswer;

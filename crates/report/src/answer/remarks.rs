@@ -2,12 +2,30 @@
 
 use crate::terminal::significant;
 use analysis::SimulatedTest;
+use params::Parameter;
 
 /// Fewer elements than this in the softening zone make a force that wavers with the mesh (three at least: Turon et al.
 /// 2007, 10.1016/j.engfracmech.2006.08.025).
 const LEAST_ELEMENTS: f64 = 3.0;
 /// A larger gap of the energy ledger, as a share of the external work, is too large.
 const LARGEST_GAP: f64 = 1e-3;
+
+/// What is held because its given value is a limit at which no search can start; `None`: nothing.
+pub fn held_at_limits(parameters: &[Parameter]) -> Option<String> {
+    let held: Vec<String> = parameters
+        .iter()
+        .filter(|p| p.held_at_limit)
+        .map(|p| {
+            let unit = p.spec.quantity.suffixes().first().map_or("", |s| s.name);
+            format!("{} = {} {unit}", p.path, significant(p.spec.in_file_unit(p.value), 4))
+                .trim_end()
+                .to_owned()
+        })
+        .collect();
+    (!held.is_empty()).then(|| {
+        format!("Held at the limit that the file gives: {}; `fixed = false` frees it.", held.join(", "))
+    })
+}
 
 /// Remarks on finished runs.
 pub fn remarks(tests: &[SimulatedTest]) -> Vec<String> {
