@@ -154,7 +154,7 @@ impl FeLadder<'_> {
 
     /// Once more where an effect of the tear path leaves the model far from the record: from a stronger, more brittle
     /// path and the effect's own start. The better of the two fits.
-    pub(super) fn from_a_brittle_path(&self, effects: &[String], first: Fitted) -> Fitted {
+    pub(super) fn again_on_a_brittle_path(&self, effects: &[String], first: Fitted) -> Fitted {
         let key = Self::key(effects);
         let on_path =
             |e: &String| self.catalogue.get(e).is_some_and(|e| e.card().site == model::Site::Interface);

@@ -140,7 +140,7 @@ impl diagnose::Ladder for FeLadder<'_> {
         let all_far = |f: &Result<Option<Fitted>, AnalysisError>| !matches!(f, Ok(Some(f)) if f.quality.reduced_chi2_total <= fit::FAR);
         if fitted.iter().all(all_far) {
             let again = |(effects, first): (&Vec<String>, Result<Option<Fitted>, AnalysisError>)| {
-                Ok(first?.map(|f| this.from_a_brittle_path(effects, f)))
+                Ok(first?.map(|f| this.again_on_a_brittle_path(effects, f)))
             };
             fitted = sets.par_iter().zip(fitted).map(again).collect();
         }
