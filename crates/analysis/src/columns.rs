@@ -32,6 +32,7 @@ struct Tried {
     names: Vec<String>,
     neutral: f64,
     plausible: f64,
+    limits: (f64, f64),
     refit: bool,
     side: Side,
 }
@@ -187,6 +188,7 @@ impl Base<'_> {
                     name: t.names[0].clone(),
                     side: t.side,
                     plausible: t.plausible,
+                    limits: t.limits,
                 }],
                 shapes,
                 refit_only: t.refit,
@@ -238,6 +240,7 @@ impl Base<'_> {
                 names,
                 neutral,
                 plausible: start[0] - neutral,
+                limits: (neutral - specs[0].lower, specs[0].upper - neutral),
                 refit,
                 side: if sided == Sided::Positive { Side::Positive } else { Side::Both },
             });

@@ -34,6 +34,17 @@ pub struct Amplitude {
     pub side: Side,
     /// A plausible deviation from neutral, unit of the amplitude: decides whether the record could see it.
     pub plausible: f64,
+    /// Largest deviations below and above neutral that the law admits (both ≥ 0): what an estimate beyond them
+    /// promises cannot be had.
+    pub limits: (f64, f64),
+}
+
+impl Amplitude {
+    /// The share (0 to 1) of an estimate that the law admits.
+    pub fn admitted(&self, estimate: f64) -> f64 {
+        let limit = if estimate < 0.0 { self.limits.0 } else { self.limits.1 };
+        if estimate.abs() > limit { limit / estimate.abs() } else { 1.0 }
+    }
 }
 
 /// The columns of an effect at one set of its shape parameters.
@@ -66,7 +77,12 @@ impl Candidate {
         let columns = DMatrix::from_columns(&[column]);
         Self {
             effect: effect.to_owned(),
-            amplitudes: vec![Amplitude { name: effect.to_owned(), side, plausible }],
+            amplitudes: vec![Amplitude {
+                name: effect.to_owned(),
+                side,
+                plausible,
+                limits: (f64::INFINITY, f64::INFINITY),
+            }],
             shapes: vec![Shape { parameters: Vec::new(), columns }],
             refit_only: false,
         }

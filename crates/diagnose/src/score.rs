@@ -29,7 +29,7 @@ pub struct Finding {
     pub shape: Vec<(String, f64)>,
     /// Index of the best shape in the grid.
     pub shape_index: usize,
-    /// Expected fall of χ².
+    /// Expected fall of χ² within the limits of the amplitudes ([`crate::Amplitude::admitted`]).
     pub fall: f64,
     /// The same as a share of χ².
     pub expected_fall: f64,
@@ -258,16 +258,19 @@ fn finding(p: &Projected, chi2: f64, policy: &Policy) -> Finding {
     let live: Vec<DMatrix<f64>> = p.shapes.iter().filter(|s| s.norm() > 0.0).cloned().collect();
     let family = Family { shapes: &live, sides: &p.sides };
     let none = vec![0.0; c.amplitudes.len()];
-    let fall = p.falls.get(p.best);
+    // Along an estimate the promise is a parabola: a share t of the estimate has 1 − (1 − t)² of the fall.
+    let estimate = p.falls.get(p.best).map_or(none, |f| f.amplitudes.clone());
+    let admitted = c.amplitudes.iter().zip(&estimate).map(|(a, e)| a.admitted(*e)).fold(1.0, f64::min);
+    let fall = p.fall() * (1.0 - (1.0 - admitted).powi(2));
     let snr_any = (0..p.shapes.len()).map(|i| p.snr(i)).fold(0.0, f64::max);
     Finding {
         effect: c.effect.clone(),
-        amplitudes: names.zip(fall.map_or(none, |f| f.amplitudes.clone())).collect(),
+        amplitudes: names.zip(estimate.iter().map(|e| admitted * e)).collect(),
         std_errors: p.shapes.get(p.best).map_or(Vec::new(), std_errors),
         shape: c.shapes.get(p.best).map_or(Vec::new(), |s| s.parameters.clone()),
         shape_index: p.best,
-        fall: p.fall(),
-        expected_fall: if chi2 > 0.0 { p.fall() / chi2 } else { 0.0 },
+        fall,
+        expected_fall: if chi2 > 0.0 { fall / chi2 } else { 0.0 },
         p_value: if live.is_empty() { 1.0 } else { family.p_value(p.fall(), policy) },
         p_bonferroni: if live.is_empty() { 1.0 } else { family.bonferroni(p.fall()) },
         q_value: 1.0,

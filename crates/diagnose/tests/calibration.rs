@@ -51,11 +51,21 @@ fn shaped(name: &str, side: Side, shapes: &[f64], f: impl Fn(f64, f64) -> f64) -
 fn catalogue() -> Vec<Candidate> {
     let taus = [0.2, 0.5, 1.0, 2.0, 4.0];
     let mut joint = simple("joint", Side::Both, |t| (3.0 * t).sin());
-    joint.amplitudes.push(Amplitude { name: "second".into(), side: Side::Both, plausible: 1.0 });
+    joint.amplitudes.push(Amplitude {
+        name: "second".into(),
+        side: Side::Both,
+        plausible: 1.0,
+        limits: (f64::INFINITY, f64::INFINITY),
+    });
     joint.shapes[0].columns =
         DMatrix::from_columns(&[column(|t| (3.0 * t).sin()), column(|t| (3.0 * t).cos())]);
     let mut pair_shaped = shaped("joint shaped", Side::Positive, &taus, |t, s| (-t / s).exp());
-    pair_shaped.amplitudes.push(Amplitude { name: "second".into(), side: Side::Both, plausible: 1.0 });
+    pair_shaped.amplitudes.push(Amplitude {
+        name: "second".into(),
+        side: Side::Both,
+        plausible: 1.0,
+        limits: (f64::INFINITY, f64::INFINITY),
+    });
     for (k, s) in pair_shaped.shapes.iter_mut().enumerate() {
         let second = column(|t| (t * (1.0 + 0.3 * k as f64)).sin());
         s.columns = DMatrix::from_columns(&[s.columns.column(0).into_owned(), second]);
@@ -333,5 +343,13 @@ proptest! {
             alike.1.sort();
             prop_assert_eq!(alike.0, alike.1);
         }
+    }
+}
+
+#[test]
+fn a_promise_beyond_the_limits_of_an_amplitude_is_cut() {
+    let amplitude = Amplitude { name: "a".into(), side: Side::Both, plausible: 0.3, limits: (0.0, 0.9) };
+    for (estimate, share) in [(0.5, 1.0), (0.9, 1.0), (1.8, 0.5), (-0.4, 0.0)] {
+        assert!((amplitude.admitted(estimate) - share).abs() < 1e-15, "{estimate}");
     }
 }

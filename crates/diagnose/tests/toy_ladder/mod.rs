@@ -208,7 +208,12 @@ impl Ladder for ToyLadder {
                 let shapes: &[f64] = if effect == "memory" { &TAUS } else { &[1.0] };
                 Candidate {
                     effect: effect.into(),
-                    amplitudes: vec![Amplitude { name: "amount".into(), side, plausible }],
+                    amplitudes: vec![Amplitude {
+                        name: "amount".into(),
+                        side,
+                        plausible,
+                        limits: (f64::INFINITY, f64::INFINITY),
+                    }],
                     shapes: shapes
                         .iter()
                         .map(|&tau| Shape {
