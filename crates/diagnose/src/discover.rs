@@ -3,7 +3,7 @@
 
 use crate::ladder::{Hints, Ladder, Rung, pays};
 use crate::verdict::{Discovery, Verdict};
-use crate::{Policy, Screen};
+use crate::{Finding, Policy, Screen};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Share of the best promise that counts as about as much.
@@ -212,20 +212,26 @@ impl<L: Ladder> Search<'_, L> {
     fn best_single(&mut self, current: &Rung, screen: &Screen) -> Option<Rung> {
         let promise = |e: &String| screen.finding(e).map_or(0.0, |f| f.fall);
         let about_as_much = |most: f64| AS_MUCH * most;
-        let mut left = self.shortlist(current, screen);
         let (mut best, mut enough): (Option<Rung>, f64) = (None, 0.0);
-        while !left.is_empty() {
-            let most = left.iter().map(promise).fold(0.0, f64::max);
-            if most < enough {
+        for places in [0..self.policy.refits, self.policy.refits..2 * self.policy.refits] {
+            // The second half is for records that none of the first explains.
+            if enough > 0.0 {
                 break;
             }
-            let (lot, rest) = left.into_iter().partition(|e| promise(e) >= about_as_much(most));
-            left = rest;
-            for rung in self.those_that_pay(current, &singles(lot)) {
-                if let ([.., name], true) = (rung.effects.as_slice(), rung.explained(self.policy)) {
-                    enough = f64::max(enough, about_as_much(promise(name)));
+            let mut left = self.shortlist(current, screen, places);
+            while !left.is_empty() {
+                let most = left.iter().map(promise).fold(0.0, f64::max);
+                if most < enough {
+                    break;
                 }
-                best = Some(better(best, rung));
+                let (lot, rest) = left.into_iter().partition(|e| promise(e) >= about_as_much(most));
+                left = rest;
+                for rung in self.those_that_pay(current, &singles(lot)) {
+                    if let ([.., name], true) = (rung.effects.as_slice(), rung.explained(self.policy)) {
+                        enough = f64::max(enough, about_as_much(promise(name)));
+                    }
+                    best = Some(better(best, rung));
+                }
             }
         }
         best
@@ -244,8 +250,9 @@ impl<L: Ladder> Search<'_, L> {
         known.filter(|rung| pays(current, rung, self.policy)).collect()
     }
 
-    /// The most significant effects, and the look-alikes that explain about as much.
-    fn shortlist(&self, current: &Rung, screen: &Screen) -> Vec<String> {
+    /// The most significant effects by their places, and the look-alikes that explain about as much. Beyond the first
+    /// `refits` only those that promise about as much as the best.
+    fn shortlist(&self, current: &Rung, screen: &Screen, places: std::ops::Range<usize>) -> Vec<String> {
         let mut names: Vec<String> = Vec::new();
         let new = |f: &&crate::Finding| f.significant && !current.effects.contains(&f.effect);
         if current.explained(self.policy) && current.leans_on_the_mesh() {
@@ -263,10 +270,13 @@ impl<L: Ladder> Search<'_, L> {
             .filter(|f| f.significant && f.fall >= least && !current.effects.contains(&f.effect))
             .collect();
         significant.sort_by(|a, b| b.fall.total_cmp(&a.fall).then(a.effect.cmp(&b.effect)));
-        // A linear promise is no more exact than that: who promises about as much as the best gets a fit.
+        // A linear promise is no more exact than that.
         let close = AS_MUCH * significant.first().map_or(0.0, |f| f.fall);
-        let close = significant.iter().filter(|f| f.fall >= close).count();
-        for f in significant.into_iter().take(close.clamp(self.policy.refits, 2 * self.policy.refits)) {
+        let far_down = |i: usize, f: &Finding| i >= self.policy.refits && f.fall < close;
+        for (i, f) in significant.into_iter().enumerate().take(places.end).skip(places.start) {
+            if far_down(i, f) {
+                break;
+            }
             let alike = f.look_alikes.iter().filter(|e| {
                 screen.finding(e).is_some_and(|o| o.fall >= self.policy.min_fall || o.refit_only)
             });
