@@ -17,7 +17,7 @@ fn main() {
                 options.march.newton.tolerance = 1e-7;
             }
             let m = model::Model::new(Arc::new(case.clone()), &cat, how).unwrap();
-            let wanted: Vec<bool> = m.tests.iter().map(|t| t.test.record.is_some()).collect();
+            let wanted = m.recorded();
             let measured = analysis::Measured::of(&m, &wanted).unwrap();
             let theta = m.theta();
             let free = m.free();

@@ -3,11 +3,11 @@
 //! the end, and is fitted to the record from there.
 
 use crate::data::Measured;
-use crate::identify::{AnalysisError, Stage, Work, coarse_case};
+use crate::identify::{AnalysisError, Stage, Work, coarser};
 use crate::start::{START_NOISE, Start, from_record};
 use input::{Case, Record, TestKind};
 use inverse::Problem as _;
-use model::{Catalogue, Discretisation, Model, Site};
+use model::{Catalogue, Model, Site};
 use std::sync::Arc;
 
 /// Parts of the largest displacement that count as the very beginning: the first that can be followed.
@@ -24,7 +24,7 @@ pub(crate) fn reaching(
 ) -> Result<Option<Start>, AnalysisError> {
     let tearing = case.tests.iter().any(|t| t.kind == TestKind::Tearing && t.record.is_some());
     let Ok(model) = part_of(case, 1.0, catalogue) else { return Ok(None) };
-    let path = free_on(&model, Site::Interface);
+    let path = model.free_on(Site::Interface);
     if !tearing || path.is_empty() || follows(&model, &model.theta(), work)? {
         return Ok(None);
     }
@@ -33,7 +33,7 @@ pub(crate) fn reaching(
     stiffness(case, catalogue, work)?;
     let mut start = None;
     if holding(case, &model, work)?
-        && work.stage(&model, Stage::Interface, &path, &records(&model), true).is_ok()
+        && work.stage(&model, Stage::Interface, &path, &model.recorded(), true).is_ok()
     {
         start = Some(Start { theta: work.theta.clone(), model });
     }
@@ -46,11 +46,11 @@ pub(crate) fn reaching(
 /// times too stiff would be taken for a soft path.
 fn stiffness(case: &Case, catalogue: &Catalogue, work: &mut Work) -> Result<(), AnalysisError> {
     for part in BEGINNINGS {
-        let model = part_of(case, part, catalogue)?;
-        let bulk = free_on(&model, Site::Bulk);
+        let Ok(model) = part_of(case, part, catalogue) else { continue };
+        let bulk = model.free_on(Site::Bulk);
         if !bulk.is_empty() && follows(&model, &work.theta, work)? {
             // Without: the file's stiffness.
-            let _ = work.stage(&model, Stage::Bulk, &bulk, &records(&model), true);
+            let _ = work.stage(&model, Stage::Bulk, &bulk, &model.recorded(), true);
             break;
         }
     }
@@ -82,15 +82,14 @@ fn holding(case: &Case, model: &Model, work: &mut Work) -> Result<bool, Analysis
 
 /// The model on a coarse mesh, its tearing records up to this part of their largest displacement.
 fn part_of(case: &Case, part: f64, catalogue: &Catalogue) -> Result<Model, AnalysisError> {
-    let mut shorter = coarse_case(case);
-    let coarsen = if shorter.mesh == case.mesh { 2.0 } else { 1.0 };
+    let (mut shorter, how) = coarser(case);
     for t in shorter.tests.iter_mut().filter(|t| t.kind == TestKind::Tearing) {
         let peak = t.record.iter().flat_map(|r| &r.force).fold(0.0f64, |m, f| m.max(f.abs()));
         // A few points do not tell their noise.
         t.force_sd = t.force_sd.or(Some(START_NOISE * peak));
         t.record = t.record.as_ref().map(|r| first(r, part));
     }
-    Ok(Model::new(Arc::new(shorter), catalogue, Discretisation { coarsen, ..Discretisation::default() })?)
+    Ok(Model::new(Arc::new(shorter), catalogue, how)?)
 }
 
 /// The rows before a record first goes beyond a part of its largest displacement; force only.
@@ -103,19 +102,10 @@ fn first(record: &Record, part: f64) -> Record {
     r
 }
 
-fn free_on(model: &Model, site: Site) -> Vec<usize> {
-    model.free().into_iter().filter(|&i| model.site_of(i) == site).collect()
-}
-
-/// The tests that have a record.
-fn records(model: &Model) -> Vec<bool> {
-    model.tests.iter().map(|t| t.test.record.is_some()).collect()
-}
-
 /// Whether the model runs to the end of its records.
 fn follows(model: &Model, theta: &[f64], work: &Work) -> Result<bool, AnalysisError> {
-    let Ok(measured) = Measured::of(model, &records(model)) else { return Ok(false) };
-    let problem = work.trial(model, theta.to_vec(), Vec::new(), &measured.slots);
+    let Ok(measured) = Measured::of(model, &model.recorded()) else { return Ok(false) };
+    let problem = work.trial(model, theta, &[], &measured.slots);
     match problem.predict(&[], false) {
         Ok(_) => Ok(true),
         Err(inverse::PredictError::Interrupted) => Err(inverse::PredictError::Interrupted.into()),

@@ -4,7 +4,7 @@
 //! A start that is far off tears too early or not at all, costs jumps, and leads to a local
 //! optimum (the paper's fourth limitation).
 
-use crate::identify::{AnalysisError, Stage, Work};
+use crate::identify::{AnalysisError, Stage, StagePlan, Work};
 use input::{Case, TestKind};
 use model::{Catalogue, Discretisation, Model};
 use std::sync::Arc;
@@ -24,7 +24,7 @@ fn one_area(
     case: &Arc<Case>,
     catalogue: &Catalogue,
     work: &mut Work,
-    list: &[(Stage, Vec<usize>, Vec<bool>)],
+    list: &[StagePlan],
 ) -> Result<Option<Start>, AnalysisError> {
     let interface = &case.interface;
     let tearing = case.tests.iter().any(|t| t.kind == TestKind::Tearing && t.record.is_some());
@@ -38,8 +38,7 @@ fn one_area(
     let file = model.theta();
     let theta_of_work = std::mem::replace(&mut work.theta, file.clone());
     work.coarse_noise = START_NOISE;
-    let bulk: Vec<usize> =
-        model.free().into_iter().filter(|&i| model.site_of(i) == model::Site::Bulk).collect();
+    let bulk = model.free_on(model::Site::Bulk);
     let bulk_tests = list.first().filter(|s| s.0 == Stage::Bulk).map(|s| s.2.clone());
     let (Some(g), Some(s)) = (model.find("interface.area[1].gc"), model.find("interface.area[1].sigma_c"))
     else {
@@ -164,8 +163,7 @@ fn refine(
         let Ok(model) = Model::new(Arc::new(level), catalogue, how) else { return Ok(start) };
         work.theta = model.theta();
         spread(&model, &start, &mut work.theta);
-        let free: Vec<usize> =
-            model.free().into_iter().filter(|&i| model.site_of(i) == model::Site::Interface).collect();
+        let free = model.free_on(model::Site::Interface);
         if work.stage(&model, Stage::Interface, &free, tests, true).is_err() {
             return Ok(start);
         }
@@ -189,13 +187,13 @@ pub(crate) fn for_case(
     find(case, catalogue, &mut work, &list)
 }
 
-/// A start for a search: one area for the tear; else, where the file's own values do not lead to the end of a record,
-/// what the parts of it say that they lead to.
+/// A start for a search: one area for the tear; else, where the file's own values do not lead to the end of a record, one
+/// that does.
 pub(crate) fn find(
     case: &Arc<Case>,
     catalogue: &Catalogue,
     work: &mut Work,
-    list: &[(Stage, Vec<usize>, Vec<bool>)],
+    list: &[StagePlan],
 ) -> Result<Option<Start>, AnalysisError> {
     match one_area(case, catalogue, work, list)? {
         Some(start) => Ok(Some(start)),

@@ -16,13 +16,13 @@ pub struct Pair {
     pub a: String,
     /// Second effect.
     pub b: String,
-    /// Expected fall of χ² with both, over all pairs of shapes.
+    /// Expected fall of χ² with both, over all pairs of shapes, within the limits of their amplitudes.
     pub joint_fall: f64,
-    /// Of this, what `a` adds to `b` alone.
+    /// What `a` adds to `b` alone, limits apart.
     pub a_after_b: f64,
-    /// What `b` adds to `a` alone.
+    /// What `b` adds to `a` alone, limits apart.
     pub b_after_a: f64,
-    /// p-value of the joint fall, an upper bound (χ² with as many degrees of freedom as amplitudes, times
+    /// p-value of the joint fall (limits apart), an upper bound (χ² with as many degrees of freedom as amplitudes, times
     /// the number of pairs of shapes).
     pub p_value: f64,
     /// Smallest angle between what the two do beyond base parameters, degrees; 90 when neither does anything.
@@ -45,11 +45,15 @@ pub(crate) fn pairs(all: &[Projected], left: &DVector<f64>, policy: &Policy) -> 
 
 fn pair(a: &Projected, b: &Projected, left: &DVector<f64>, policy: &Policy) -> Pair {
     let sides: Vec<Side> = a.sides.iter().chain(&b.sides).copied().collect();
-    let mut joint: f64 = a.fall().max(b.fall());
+    let amplitudes = || a.candidate.amplitudes.iter().chain(&b.candidate.amplitudes);
+    let alone = |p: &Projected| p.falls.get(p.best).map_or(0.0, |f| f.within(&p.candidate.amplitudes).fall);
+    let (mut joint, mut within) = (a.fall().max(b.fall()), alone(a).max(alone(b)));
     for x in &a.shapes {
         for y in &b.shapes {
             let both = hstack(x, y);
-            joint = joint.max(statistic(&both.tr_mul(&both), &both.tr_mul(left), &sides).fall);
+            let fall = statistic(&both.tr_mul(&both), &both.tr_mul(left), &sides);
+            joint = joint.max(fall.fall);
+            within = within.max(fall.within(amplitudes()).fall);
         }
     }
     let shapes = (a.shapes.len() * b.shapes.len()) as f64;
@@ -59,7 +63,7 @@ fn pair(a: &Projected, b: &Projected, left: &DVector<f64>, policy: &Policy) -> P
     Pair {
         a: a.candidate.effect.clone(),
         b: b.candidate.effect.clone(),
-        joint_fall: joint,
+        joint_fall: within,
         a_after_b,
         b_after_a,
         p_value: (shapes * chi2_sf(joint, sides.len() as f64)).min(1.0),

@@ -258,14 +258,12 @@ fn finding(p: &Projected, chi2: f64, policy: &Policy) -> Finding {
     let live: Vec<DMatrix<f64>> = p.shapes.iter().filter(|s| s.norm() > 0.0).cloned().collect();
     let family = Family { shapes: &live, sides: &p.sides };
     let none = vec![0.0; c.amplitudes.len()];
-    // Along an estimate the promise is a parabola: a share t of the estimate has 1 − (1 − t)² of the fall.
-    let estimate = p.falls.get(p.best).map_or(none, |f| f.amplitudes.clone());
-    let admitted = c.amplitudes.iter().zip(&estimate).map(|(a, e)| a.admitted(*e)).fold(1.0, f64::min);
-    let fall = p.fall() * (1.0 - (1.0 - admitted).powi(2));
+    let within = p.falls.get(p.best).map(|f| f.within(&c.amplitudes));
+    let fall = within.as_ref().map_or(0.0, |f| f.fall);
     let snr_any = (0..p.shapes.len()).map(|i| p.snr(i)).fold(0.0, f64::max);
     Finding {
         effect: c.effect.clone(),
-        amplitudes: names.zip(estimate.iter().map(|e| admitted * e)).collect(),
+        amplitudes: names.zip(within.map_or(none, |f| f.amplitudes)).collect(),
         std_errors: p.shapes.get(p.best).map_or(Vec::new(), std_errors),
         shape: c.shapes.get(p.best).map_or(Vec::new(), |s| s.parameters.clone()),
         shape_index: p.best,

@@ -1,6 +1,6 @@
 //! The score statistic of one block of columns, with signs of amplitudes respected.
 
-use crate::Side;
+use crate::{Amplitude, Side};
 use nalgebra::{DMatrix, DVector};
 
 /// The fall of χ² that an effect promises, and the amplitudes that give it.
@@ -8,6 +8,19 @@ use nalgebra::{DMatrix, DVector};
 pub(crate) struct Fall {
     pub fall: f64,
     pub amplitudes: Vec<f64>,
+}
+
+impl Fall {
+    /// What is left of the promise within the limits of the amplitudes: along the estimate it is a parabola, of which a
+    /// share t of the estimate has 1 − (1 − t)².
+    pub fn within<'a>(&self, amplitudes: impl IntoIterator<Item = &'a Amplitude>) -> Self {
+        let shares = amplitudes.into_iter().zip(&self.amplitudes).map(|(a, e)| a.admitted(*e));
+        let t = shares.fold(1.0, f64::min);
+        Self {
+            fall: self.fall * (1.0 - (1.0 - t).powi(2)),
+            amplitudes: self.amplitudes.iter().map(|a| t * a).collect(),
+        }
+    }
 }
 
 /// max over admissible a of 2 bᵀa − aᵀGa, with G = s⊥ᵀs⊥ and b = s⊥ᵀr. The maximum under sign constraints is

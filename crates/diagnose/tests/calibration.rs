@@ -348,8 +348,24 @@ proptest! {
 
 #[test]
 fn a_promise_beyond_the_limits_of_an_amplitude_is_cut() {
-    let amplitude = Amplitude { name: "a".into(), side: Side::Both, plausible: 0.3, limits: (0.0, 0.9) };
-    for (estimate, share) in [(0.5, 1.0), (0.9, 1.0), (1.8, 0.5), (-0.4, 0.0)] {
-        assert!((amplitude.admitted(estimate) - share).abs() < 1e-15, "{estimate}");
-    }
+    // The record asks for 2; the law admits 0.5, a quarter of it: 1 − (3/4)² of the fall.
+    let y = column(|t| 2.0 * (5.0 * t).sin()) + Random::new(4).normals(N) * 0.02;
+    let white = misfit(&y, NoiseModel::white(0.02)).1;
+    let run = |limit: f64| {
+        let mut list = vec![
+            simple("wave", Side::Both, |t| (5.0 * t).sin()),
+            simple("kink", Side::Both, |t| (t - 3.0).max(0.0)),
+        ];
+        list[0].amplitudes[0].limits = (0.0, limit);
+        screen(&white, &[false; 3], &list, N, &Policy::default()).unwrap()
+    };
+    let (free, cut) = (run(f64::INFINITY), run(0.5));
+    let (f, c) = (free.finding("wave").unwrap(), cut.finding("wave").unwrap());
+    let share = 1.0 - (1.0 - 0.5 / f.amplitudes[0].1).powi(2);
+    assert!((c.fall / f.fall - share).abs() < 1e-12 && share < 0.45, "{share}");
+    assert!((c.amplitudes[0].1 - 0.5).abs() < 1e-12);
+    // What the record says against the base does not change.
+    assert_eq!((c.p_value, c.snr), (f.p_value, f.snr));
+    let joint = |s: &Screen| s.pairs[0].joint_fall;
+    assert!(joint(&cut) < 0.5 * joint(&free), "{} {}", joint(&cut), joint(&free));
 }

@@ -5,7 +5,7 @@ mod intervals;
 mod search;
 mod work;
 
-pub(crate) use search::stages;
+pub(crate) use search::{StagePlan, stages};
 pub use work::frees;
 pub(crate) use work::{TRIAL_BUDGET, Work};
 
@@ -165,7 +165,7 @@ pub fn identify(
     let fine = Model::new(case.clone(), catalogue, Discretisation::default())?;
     let coarse = coarse_model(&case, catalogue)?;
     let options = run_options(&case);
-    let wanted: Vec<bool> = fine.tests.iter().map(|t| t.test.record.is_some()).collect();
+    let wanted = fine.recorded();
     let measured = Measured::of(&fine, &wanted)?;
     let mut work = Work::new(&case, fine.theta(), options, control);
     let mut list = stages(&fine, case.identify.mode);
@@ -180,26 +180,26 @@ pub fn identify(
     work.finish(fine, coarse, measured, &list)
 }
 
-/// The case with a mesh of about half the divisions, where the file gives divisions; otherwise the
-/// same case (its sizes are coarsened by [`Discretisation`]).
-pub(crate) fn coarse_case(case: &Case) -> Case {
-    let mut coarser = case.clone();
-    if let Some(d) = coarser.mesh.divisions {
+/// A case on a mesh about twice as coarse: half the divisions, where the file gives them; otherwise its sizes are coarsened
+/// by the discretisation.
+pub(crate) fn coarser(case: &Case) -> (Case, Discretisation) {
+    let mut coarse = case.clone();
+    if let Some(d) = coarse.mesh.divisions {
         let half = |n: usize| if n > 2 { n.div_ceil(2) } else { n };
-        coarser.mesh.divisions = Some([half(d[0]), (half(d[1]) + half(d[1]) % 2).min(d[1]), half(d[2])]);
+        coarse.mesh.divisions = Some([half(d[0]), (half(d[1]) + half(d[1]) % 2).min(d[1]), half(d[2])]);
     }
-    coarser
+    let coarsen = if coarse.mesh == case.mesh { 2.0 } else { 1.0 };
+    (coarse, Discretisation { coarsen, ..Discretisation::default() })
 }
 
 /// The same model on a mesh twice as coarse; `None` where the file gives divisions that cannot be
 /// halved.
 fn coarse_model(case: &Arc<Case>, catalogue: &Catalogue) -> Result<Option<Model>, AnalysisError> {
-    let how = Discretisation { coarsen: 2.0, ..Discretisation::default() };
-    let coarser = coarse_case(case);
-    if case.mesh.divisions.is_some() && coarser.mesh == case.mesh {
+    let (coarse, how) = coarser(case);
+    if case.mesh.divisions.is_some() && coarse.mesh == case.mesh {
         return Ok(None);
     }
-    match Model::new(Arc::new(coarser), catalogue, how) {
+    match Model::new(Arc::new(coarse), catalogue, how) {
         Ok(m) => Ok(Some(m)),
         // A strip too small for coarser elements has no coarse model.
         Err(BuildError::Mesh { .. }) => Ok(None),

@@ -18,7 +18,7 @@ pub(crate) type StagePlan = (Stage, Vec<usize>, Vec<bool>);
 pub(crate) fn stages(model: &Model, mode: Mode) -> Vec<StagePlan> {
     let has = |k: TestKind| model.tests.iter().any(|t| t.test.kind == k && t.test.record.is_some());
     let (uniaxial, tearing) = (has(TestKind::Uniaxial), has(TestKind::Tearing));
-    let all: Vec<bool> = model.tests.iter().map(|t| t.test.record.is_some()).collect();
+    let all = model.recorded();
     let only = |k: TestKind| -> Vec<bool> {
         model.tests.iter().map(|t| t.test.kind == k && t.test.record.is_some()).collect()
     };
@@ -26,9 +26,7 @@ pub(crate) fn stages(model: &Model, mode: Mode) -> Vec<StagePlan> {
     if !(uniaxial && tearing) {
         return vec![(Stage::Joint, free, all)];
     }
-    let site = |i: usize| model.site_of(i);
-    let bulk: Vec<usize> = free.iter().copied().filter(|&i| site(i) == Site::Bulk).collect();
-    let rest: Vec<usize> = free.iter().copied().filter(|&i| site(i) == Site::Interface).collect();
+    let (bulk, rest) = (model.free_on(Site::Bulk), model.free_on(Site::Interface));
     let other = free.len() > bulk.len() + rest.len();
     let mut out = vec![
         (Stage::Bulk, bulk, only(TestKind::Uniaxial)),

@@ -55,13 +55,6 @@ pub fn frees(model: &Model, theta: &[f64], free: &[usize]) -> Vec<Free> {
     free.iter().map(|&i| Free { start: theta[i], ..Free::of(&model.parameters[i]) }).collect()
 }
 
-/// Runs of a search: given up early where they are hopeless, and no more exact than a step needs.
-fn quick(problem: &mut FeProblem) {
-    problem.options.march.budget = TRIAL_BUDGET;
-    let newton = &mut problem.options.march.newton;
-    newton.tolerance = newton.tolerance.max(SEARCH_TOLERANCE);
-}
-
 /// χ² per point of the tearing records, with their noise as if it were white; none: not a number.
 fn tear_left(model: &Model, measured: &Measured, fit: &Fit) -> f64 {
     let misfit = measured.data.misfit(&fit.prediction.values);
@@ -95,16 +88,23 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// A problem whose runs are given up early: a search need not wait for a hopeless trial.
+    /// A problem for trial runs: given up early where they are hopeless, and no more exact than a step of the search needs.
     pub fn trial<'p>(
-        &'p self,
+        &self,
         model: &'p Model,
-        theta: Vec<f64>,
-        free: Vec<usize>,
+        theta: &[f64],
+        free: &[usize],
         slots: &'p [crate::data::Slot],
-    ) -> FeProblem<'p> {
-        let mut problem = FeProblem::new(model, theta, free, slots, self.options, self.control.cancelled);
-        quick(&mut problem);
+    ) -> FeProblem<'p>
+    where
+        'a: 'p,
+    {
+        let cancelled = self.control.cancelled;
+        let mut problem =
+            FeProblem::new(model, theta.to_vec(), free.to_vec(), slots, self.options, cancelled);
+        problem.options.march.budget = TRIAL_BUDGET;
+        let newton = &mut problem.options.march.newton;
+        newton.tolerance = newton.tolerance.max(SEARCH_TOLERANCE);
         problem
     }
 
@@ -144,15 +144,7 @@ impl<'a> Work<'a> {
             max_step: if stage == Stage::Bulk { 1.5 } else { 0.5 },
             ..FitOptions::default()
         };
-        let mut problem = FeProblem::new(
-            model,
-            self.theta.clone(),
-            free.to_vec(),
-            &measured.slots,
-            self.options,
-            self.control.cancelled,
-        );
-        quick(&mut problem);
+        let problem = self.trial(model, &self.theta, free, &measured.slots);
         let (progress, history) = (self.control.progress, &mut self.history);
         let mut observer = |iterate: &Iterate| {
             progress(&Progress { stage, coarse, iterate, paths: &paths });

@@ -10,7 +10,7 @@ mod rung;
 
 use crate::columns::Base;
 use crate::data::Measured;
-use crate::identify::{AnalysisError, coarse_case, run_options};
+use crate::identify::{AnalysisError, coarser, run_options};
 use crate::problem::Cancelled;
 use diagnose::{Candidate, Policy, Rung, Screen};
 use input::Case;
@@ -21,9 +21,6 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// How much coarser than the file's mesh the search works.
-const COARSEN: f64 = 2.0;
 
 /// Steps and tolerance of the search: the numerical error that every test carries includes them.
 fn search_options(case: &Case) -> RunOptions {
@@ -84,14 +81,10 @@ impl<'a> FeLadder<'a> {
         progress: &'a (dyn Fn(&str) + Sync),
         cancelled: Cancelled<'a>,
     ) -> Result<Self, AnalysisError> {
-        let coarse = coarse_case(&case);
-        let how = if coarse.mesh == case.mesh {
-            Discretisation { coarsen: COARSEN, ..Discretisation::default() }
-        } else {
-            Discretisation::default()
-        };
+        // The search works on a coarser mesh than the file's.
+        let (coarse, how) = coarser(&case);
         let fine = Model::new(case.clone(), catalogue, Discretisation::default())?;
-        let wanted: Vec<bool> = fine.tests.iter().map(|t| t.test.record.is_some()).collect();
+        let wanted = fine.recorded();
         let measured = Measured::cautious(&fine, &wanted)?;
         let mut ladder = Self {
             case: Arc::new(coarse),

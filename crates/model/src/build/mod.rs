@@ -110,6 +110,16 @@ impl Model {
         (0..self.parameters.len()).filter(|&i| self.parameters[i].free).collect()
     }
 
+    /// Indices of the free parameters of one site.
+    pub fn free_on(&self, site: Site) -> Vec<usize> {
+        self.free().into_iter().filter(|&i| self.site_of(i) == site).collect()
+    }
+
+    /// Which tests have a record.
+    pub fn recorded(&self) -> Vec<bool> {
+        self.tests.iter().map(|t| t.test.record.is_some()).collect()
+    }
+
     /// Whether a parameter is only carried for the law's sake and shown to nobody.
     pub fn is_hidden(&self, index: usize) -> bool {
         let p = &self.parameters[index];
