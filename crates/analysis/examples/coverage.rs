@@ -168,8 +168,16 @@ fn repeat(
     analysis::start_at(&mut case, values.iter().map(|(p, v)| (p.as_str(), *v)));
     let catalogue = effects::catalogue();
     let quiet = |_: &str| {};
-    let mut ladder =
-        FeLadder::new(Arc::new(case), &catalogue, Policy::default(), &quiet, &|| false).expect("a ladder");
+    let mut ladder = FeLadder::new(
+        Arc::new(case),
+        analysis::How {
+            catalogue: &catalogue,
+            policy: Policy::default(),
+            progress: &quiet,
+            cancelled: &|| false,
+        },
+    )
+    .expect("a ladder");
     let base = ladder.fit(&[], &Hints::new()).unwrap_or_else(|e| panic!("{e}"));
     let screen = ladder.screen(&base).unwrap_or_else(|e| panic!("{e}"));
     let p_values =

@@ -12,8 +12,15 @@ fn main() {
             }
         };
         let policy = diagnose::Policy::default();
-        let mut l = match analysis::FeLadder::new(Arc::new(case), &cat, policy.clone(), &progress, &|| false)
-        {
+        let mut l = match analysis::FeLadder::new(
+            Arc::new(case),
+            analysis::How {
+                catalogue: &cat,
+                policy: policy.clone(),
+                progress: &progress,
+                cancelled: &|| false,
+            },
+        ) {
             Ok(l) => l,
             Err(e) => {
                 println!("{path}: {e}");

@@ -2,11 +2,11 @@
 
 use crate::compare::{self, Where};
 use crate::identify::AnalysisError;
-use crate::ladder::FeLadder;
+use crate::ladder::{FeLadder, How};
 use crate::parsimony::OneStrength;
 use crate::problem::Cancelled;
 use diagnose::{Discovery, Finding, Policy, Rung, Screen, Verdict};
-use input::Case;
+use input::{Case, EffectConfig};
 use model::Catalogue;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -61,6 +61,9 @@ pub struct LadderRow {
     pub bic: f64,
     /// What became of base and effect parameters at this rung.
     pub values: BTreeMap<String, f64>,
+    /// The effects of the model with the form they were fitted in.
+    #[serde(skip)]
+    pub forms: Vec<EffectConfig>,
 }
 
 /// The segment or channel that would separate rivals.
@@ -145,7 +148,7 @@ fn in_file_units(f: &Finding, catalogue: &Catalogue) -> Finding {
     shown
 }
 
-fn word(v: Verdict) -> &'static str {
+pub(crate) fn word(v: Verdict) -> &'static str {
     match v {
         Verdict::NothingMissing => "nothing_missing",
         Verdict::Explained => "explained",
@@ -168,6 +171,7 @@ pub(crate) fn ladder_row(l: &FeLadder, r: &Rung) -> LadderRow {
         held_out_rms_n: r.held_out_rms,
         bic: r.bic,
         values,
+        forms: fitted.map_or_else(Vec::new, |f| f.model.case.effects.clone()),
     }
 }
 
@@ -194,7 +198,7 @@ pub fn diagnose(
 ) -> Result<DiscoverAnswer, AnalysisError> {
     let start = Instant::now();
     let policy = Policy::default();
-    let mut ladder = FeLadder::new(case, catalogue, policy.clone(), progress, cancelled)?;
+    let mut ladder = FeLadder::new(case, How { catalogue, policy: policy.clone(), progress, cancelled })?;
     let rung = diagnose::Ladder::fit(&mut ladder, &[], &diagnose::Hints::new())?;
     let screen = diagnose::Ladder::screen(&mut ladder, &rung)?;
     let explained = rung.explained(&policy);
@@ -259,7 +263,7 @@ pub fn discover(
 ) -> Result<DiscoverAnswer, AnalysisError> {
     let start = Instant::now();
     let policy = Policy::default();
-    let mut ladder = FeLadder::new(case, catalogue, policy.clone(), progress, cancelled)?;
+    let mut ladder = FeLadder::new(case, How { catalogue, policy: policy.clone(), progress, cancelled })?;
     let d = diagnose::discover(&mut ladder, &policy, &mut |s| progress(s))?;
     Ok(DiscoverAnswer {
         ladder: d.ladder.iter().map(|r| ladder_row(&ladder, r)).collect(),

@@ -26,7 +26,7 @@ pub use held_out::HeldOut;
 pub use identify::{
     AnalysisError, Control, HistoryEntry, Identified, Progress, Stage, frees, identify, run_options,
 };
-pub use ladder::{FeLadder, Fitted};
+pub use ladder::{FeLadder, Fitted, How};
 pub use needs::{Need, needs};
 pub use parsimony::{OneStrength, one_strength};
 pub use problem::{Cancelled, FeProblem};

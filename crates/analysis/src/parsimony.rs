@@ -1,11 +1,11 @@
 //! One strength along the tear path, with one effect or none, beside a model of many areas. A strength that rises along
 //! the tear is how a missing effect looks: areas imitate it.
 
-use crate::answer::{LadderRow, ladder_row};
+use crate::answer::{DiscoverAnswer, LadderRow, ladder_row, word};
 use crate::identify::AnalysisError;
-use crate::ladder::FeLadder;
+use crate::ladder::{FeLadder, How};
 use crate::problem::Cancelled;
-use diagnose::{Hints, Ladder, Policy, Rung};
+use diagnose::{Hints, Ladder, Policy, Rung, Verdict};
 use input::{Case, Value};
 use model::Catalogue;
 use serde::Serialize;
@@ -19,7 +19,7 @@ const TRIED: usize = 3;
 /// Models with one strength and toughness for the whole path.
 #[derive(Clone, Debug, Serialize)]
 pub struct OneStrength {
-    /// Without further effect, then with one each.
+    /// What was tried.
     pub ladder: Vec<LadderRow>,
     /// Effects of those that explain the records as well as the many areas do, by BIC, best first.
     pub as_good: Vec<Vec<String>>,
@@ -27,34 +27,44 @@ pub struct OneStrength {
     pub words: String,
 }
 
-/// Tries one strength, alone and with each of the effects that its screen calls for most, against the model `many`
-/// that a search with the case's areas ended with. `None` for a case of few areas.
+/// Tries one strength against what a search with the case's areas ended with: where these explain the records without
+/// further effect, alone and with each of the effects that its screen calls for most; where they need effects, with
+/// these. `None` for a case of few areas, and where even these areas explain nothing: one strength is a special case of
+/// them.
 ///
 /// # Errors
 /// [`AnalysisError`].
 pub fn one_strength(
     case: &Case,
     catalogue: &Catalogue,
-    many: &LadderRow,
+    search: &DiscoverAnswer,
     progress: &(dyn Fn(&str) + Sync),
     cancelled: Cancelled,
 ) -> Result<Option<OneStrength>, AnalysisError> {
-    if case.interface.areas < MANY {
+    let Some(many) = search.ladder.last().filter(|_| case.interface.areas >= MANY) else { return Ok(None) };
+    if search.verdict == word(Verdict::Unexplained) {
         return Ok(None);
     }
+    progress("one strength along the path, for comparison");
     let policy = Policy::default();
-    let simple = Arc::new(simplified(case));
-    let mut ladder = FeLadder::new(simple, catalogue, policy.clone(), progress, cancelled)?;
-    let base = ladder.fit(&[], &Hints::new())?;
-    let mut rungs = vec![base.clone()];
-    if !base.explained(&policy) {
-        let screen = ladder.screen(&base)?;
-        let called: Vec<_> = screen.findings.iter().filter(|f| f.significant && !f.set_aside).collect();
-        let hints: Hints = called.iter().map(|f| (f.effect.clone(), (*f).clone())).collect();
-        let sets: Vec<Vec<String>> = called.iter().take(TRIED).map(|f| vec![f.effect.clone()]).collect();
-        // One that cannot be computed is no rival.
-        rungs.extend(ladder.fit_all(&sets, &hints).into_iter().flatten());
-    }
+    let how = How { catalogue, policy: policy.clone(), progress, cancelled };
+    let (rungs, rows) = if many.forms.len() > case.effects.len() {
+        let mut found = case.clone();
+        found.effects.clone_from(&many.forms);
+        crate::start_at(&mut found, many.values.iter().map(|(p, v)| (p.as_str(), *v)));
+        let mut ladder = FeLadder::from_values(Arc::new(simplified(&found)), how)?;
+        let mut rung = ladder.fit(&[], &Hints::new())?;
+        let mut row = ladder_row(&ladder, &rung);
+        // To the ladder they belong to its base model, to the reader they are what was found.
+        rung.effects.clone_from(&many.effects);
+        row.effects.clone_from(&many.effects);
+        (vec![rung], vec![row])
+    } else {
+        let mut ladder = FeLadder::new(Arc::new(simplified(case)), how)?;
+        let rungs = screened(&mut ladder, &policy)?;
+        let rows = rungs.iter().map(|r| ladder_row(&ladder, r)).collect();
+        (rungs, rows)
+    };
     let mut order: Vec<&Rung> = rungs.iter().collect();
     order.sort_by(|a, b| a.bic.total_cmp(&b.bic));
     let closest = order[0];
@@ -63,8 +73,23 @@ pub fn one_strength(
     Ok(Some(OneStrength {
         words: sentence(&as_good, closest, many),
         as_good: as_good.iter().map(|r| r.effects.clone()).collect(),
-        ladder: rungs.iter().map(|r| ladder_row(&ladder, r)).collect(),
+        ladder: rows,
     }))
+}
+
+/// One strength alone and, where that explains too little, with each of the effects called for most.
+fn screened(ladder: &mut FeLadder, policy: &Policy) -> Result<Vec<Rung>, AnalysisError> {
+    let base = ladder.fit(&[], &Hints::new())?;
+    let mut rungs = vec![base.clone()];
+    if !base.explained(policy) {
+        let screen = ladder.screen(&base)?;
+        let called: Vec<_> = screen.findings.iter().filter(|f| f.significant && !f.set_aside).collect();
+        let hints: Hints = called.iter().map(|f| (f.effect.clone(), (*f).clone())).collect();
+        let sets: Vec<Vec<String>> = called.iter().take(TRIED).map(|f| vec![f.effect.clone()]).collect();
+        // One that cannot be computed is no rival.
+        rungs.extend(ladder.fit_all(&sets, &hints).into_iter().flatten());
+    }
+    Ok(rungs)
 }
 
 /// The case with one area, which begins at the mean of the areas.

@@ -106,6 +106,8 @@ fn discover_names_what_is_hidden() -> Tested {
     // One strength would do as well as three, and is said to.
     let one = &found["one_strength"];
     assert!(one["as_good"].as_array().is_some_and(|a| a.contains(&serde_json::json!(["drift"]))), "{one}");
+    let gc = &one["ladder"][0]["values"]["interface.area[1].gc"];
+    assert!(gc.as_f64().is_some_and(|gc| (gc / 0.15 - 1.0).abs() < 0.1), "{gc}");
     // The same run, asked in words.
     let out = fct(here, &["report", "search"])?;
     assert!(out.status.success());

@@ -78,6 +78,17 @@ impl Factor {
         self.factor.len()
     }
 
+    /// Multiplications and additions of a factorisation: the sum of squares of the columns' lengths.
+    pub fn flops(&self) -> f64 {
+        let SymbolicCholeskyRaw::Supernodal(s) = self.symbolic.raw() else { return f64::NAN };
+        let node = |k: usize| {
+            let columns = s.supernode_end()[k] - s.supernode_begin()[k];
+            let rows = (s.col_ptr_for_val()[k + 1] - s.col_ptr_for_val()[k]) / columns.max(1);
+            (0..columns).map(|j| ((rows - j) as f64).powi(2)).sum::<f64>()
+        };
+        (0..s.n_supernodes()).map(node).sum()
+    }
+
     /// Factorises the matrix with these lower-triangle values (same order as the pattern).
     pub fn factorise(&mut self, values: &[f64]) {
         self.values.copy_from_slice(values);

@@ -99,8 +99,11 @@ fn search(
     let case = input::read_case(&folder.join("config.toml"), &catalogue).map_err(|e| e.to_string())?;
     let policy = Policy::default();
     let late = || Instant::now() >= deadline;
-    let mut ladder = FeLadder::new(Arc::new(case), &catalogue, policy.clone(), progress, &late)
-        .map_err(|e| e.to_string())?;
+    let mut ladder = FeLadder::new(
+        Arc::new(case),
+        analysis::How { catalogue: &catalogue, policy: policy.clone(), progress, cancelled: &late },
+    )
+    .map_err(|e| e.to_string())?;
     let d = diagnose::discover(&mut ladder, &policy, &mut |s| progress(s)).map_err(|e| e.to_string())?;
     Ok(answer(truth.clone(), &ladder, &d, &policy))
 }

@@ -53,22 +53,17 @@ const HOPELESS: f64 = 4.0;
 const PATIENCE: usize = 4;
 
 impl FeLadder<'_> {
-    /// The base fit: start, coarse fit, the finer mesh's correction, fit again.
-    pub(super) fn base(&mut self) -> Result<(), AnalysisError> {
+    /// The base fit: a start if one is wanted, coarse fit, the finer mesh's correction, fit again.
+    pub(super) fn base(&mut self, start: bool) -> Result<(), AnalysisError> {
         let model = Model::new(self.case.clone(), self.catalogue, self.how)?;
         let mut theta = model.theta();
         let say = self.progress;
         let shown = |p: &crate::Progress| {
-            say(&format!(
-                "start: {} step {} f {:?} {:.4?}",
-                p.stage.word(),
-                p.iterate.iteration,
-                p.iterate.f,
-                p.iterate.theta
-            ))
+            let objective = p.iterate.f.map_or("no answer".into(), |f| format!("objective {f:.4e}"));
+            say(&format!("start, {}: iteration {}, {objective}", p.stage.word(), p.iterate.iteration));
         };
         let quiet = crate::Control { progress: &shown, cancelled: self.cancelled };
-        if let Some(start) = start::for_case(&self.case, self.catalogue, self.options, &quiet)? {
+        if start && let Some(start) = start::for_case(&self.case, self.catalogue, self.options, &quiet)? {
             start::spread(&model, &start, &mut theta);
         }
         let none = DVector::zeros(self.measured.data.points());
@@ -258,7 +253,7 @@ impl FeLadder<'_> {
             let fit = inverse::fit(&problem, &self.measured.data, &list, &options, &mut |i| {
                 if let Some(f) = i.f {
                     progress(&format!(
-                        "{names}, step {}: χ² {f:.1}{}",
+                        "{names}: iteration {}, χ² {f:.1}{}",
                         i.iteration,
                         if i.accepted { "" } else { " (rejected)" }
                     ));

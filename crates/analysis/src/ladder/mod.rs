@@ -74,23 +74,34 @@ impl<'a> FeLadder<'a> {
     ///
     /// # Errors
     /// [`AnalysisError`].
-    pub fn new(
-        case: Arc<Case>,
-        catalogue: &'a Catalogue,
-        policy: Policy,
-        progress: &'a (dyn Fn(&str) + Sync),
-        cancelled: Cancelled<'a>,
-    ) -> Result<Self, AnalysisError> {
+    pub fn new(case: Arc<Case>, how: How<'a>) -> Result<Self, AnalysisError> {
+        let mut ladder = Self::unfitted(case, how)?;
+        ladder.base(true)?;
+        Ok(ladder)
+    }
+
+    /// The same, with the values of the case as the start of its fit.
+    ///
+    /// # Errors
+    /// [`AnalysisError`].
+    pub fn from_values(case: Arc<Case>, how: How<'a>) -> Result<Self, AnalysisError> {
+        let mut ladder = Self::unfitted(case, how)?;
+        ladder.base(false)?;
+        Ok(ladder)
+    }
+
+    fn unfitted(case: Arc<Case>, how: How<'a>) -> Result<Self, AnalysisError> {
+        let How { catalogue, policy, progress, cancelled } = how;
         // The search works on a coarser mesh than the file's.
-        let (coarse, how) = coarser(&case);
+        let (coarse, mesh) = coarser(&case);
         let fine = Model::new(case.clone(), catalogue, Discretisation::default())?;
         let wanted = fine.recorded();
         let measured = Measured::cautious(&fine, &wanted)?;
-        let mut ladder = Self {
+        Ok(Self {
             case: Arc::new(coarse),
             fine_case: case.clone(),
             catalogue,
-            how,
+            how: mesh,
             options: search_options(&case),
             cancelled,
             measured,
@@ -99,10 +110,21 @@ impl<'a> FeLadder<'a> {
             runs: AtomicUsize::new(0),
             policy,
             progress,
-        };
-        ladder.base()?;
-        Ok(ladder)
+        })
     }
+}
+
+/// How a search is made.
+#[derive(Clone)]
+pub struct How<'a> {
+    /// The effects it draws on.
+    pub catalogue: &'a Catalogue,
+    /// What it judges by.
+    pub policy: Policy,
+    /// Whom it tells.
+    pub progress: &'a (dyn Fn(&str) + Sync),
+    /// Who stops it.
+    pub cancelled: Cancelled<'a>,
 }
 
 /// A model by its effects.

@@ -29,14 +29,11 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let progress = session.progress(&case.name);
     let (note, cancelled) = (|s: &str| progress.note(s), || session.cancelled());
     let mut answer = analysis::discover(case.clone(), &session.catalogue, &note, &cancelled)?;
-    if let Some(many) = answer.ladder.last() {
-        progress.note("one strength along the path, for comparison");
-        let one = analysis::one_strength(&case, &session.catalogue, many, &note, &cancelled);
-        answer.one_strength = one.unwrap_or_else(|why| {
-            session.say(&format!("one strength along the path could not be tried: {why}"));
-            None
-        });
-    }
+    let one = analysis::one_strength(&case, &session.catalogue, &answer, &note, &cancelled);
+    answer.one_strength = one.unwrap_or_else(|why| {
+        session.say(&format!("one strength along the path could not be tried: {why}"));
+        None
+    });
     answer.words.extend(answer.one_strength.iter().map(|o| o.words.clone()));
     progress.note("curves and intervals of every rung, on the file's mesh");
     let top = rungs::store(&dir, &case, &answer, session)?;

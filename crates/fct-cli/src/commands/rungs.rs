@@ -6,8 +6,7 @@ use crate::session::Session;
 use ::report::answer::{IdentifyAnswer, StageEnd};
 use ::report::{Published, ReportError, RunDir, store_rung};
 use analysis::{Control, DiscoverAnswer, Identified, LadderRow, SimulateControl, SimulatedTest};
-use input::{Case, EffectConfig, Location, Mode, Value};
-use model::{Catalogue, Discretisation, Model, Options, Scales};
+use input::{Case, Mode};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -44,7 +43,7 @@ pub fn store(
         }
         let place = dir.place().join("rungs");
         let parent = k.checked_sub(1).map(|b| place.join(b.to_string()));
-        let rung = case_of(case, &session.catalogue, &answer.ladder[0], row, parent.as_deref());
+        let rung = case_of(case, row, parent.as_deref());
         let done = evaluate(&rung, published.as_ref(), FINE, session).or_else(|why| {
             session.say(&format!("rung {k}: {why}; it is computed on the search's coarser mesh instead"));
             evaluate(&coarser(&rung), published.as_ref(), COARSE, session)
@@ -64,45 +63,15 @@ pub fn store(
 }
 
 /// The case of a rung: its effects, and the found values as start.
-fn case_of(
-    case: &Case,
-    catalogue: &Catalogue,
-    base: &LadderRow,
-    row: &LadderRow,
-    parent: Option<&Path>,
-) -> Case {
+fn case_of(case: &Case, row: &LadderRow, parent: Option<&Path>) -> Case {
     let mut rung = case.clone();
-    if let Some(scales) = scales_of(case, catalogue, base) {
-        let new = row.effects.iter().filter(|e| case.effect(e).is_none());
-        rung.effects.extend(new.filter_map(|name| config(catalogue, name, &scales)));
-    }
+    rung.effects.clone_from(&row.forms);
     analysis::start_at(&mut rung, row.values.iter().map(|(p, v)| (p.as_str(), *v)));
     rung.identify.mode = Mode::Joint;
     // As the search did it: refitting without them would be another question.
     rung.identify.priors.literature.get_or_insert(true);
     rung.parent = parent.map(|p| p.display().to_string());
     rung
-}
-
-/// The sizes that the search took its start values from.
-fn scales_of(case: &Case, catalogue: &Catalogue, base: &LadderRow) -> Option<Scales> {
-    let mut case = case.clone();
-    analysis::start_at(&mut case, base.values.iter().map(|(p, v)| (p.as_str(), *v)));
-    let model = Model::new(Arc::new(case), catalogue, Discretisation::default()).ok()?;
-    Some(analysis::scales(&model, &model.theta()))
-}
-
-fn config(catalogue: &Catalogue, name: &str, scales: &Scales) -> Option<EffectConfig> {
-    let effect = catalogue.get(name)?;
-    let specs = effect.parameters(&Options::new());
-    let start = effect.start(scales);
-    Some(EffectConfig {
-        name: name.to_owned(),
-        parameters: specs.iter().zip(start).map(|(s, v)| (s.name.to_string(), Value::new(v))).collect(),
-        options: effect.options().into_iter().filter_map(|o| o.default.map(|d| (o.name, d))).collect(),
-        specs,
-        location: Location::default(),
-    })
 }
 
 /// The case with elements twice as large, as the search has them.
@@ -138,4 +107,41 @@ fn evaluate(
     answer.stages = vec![StageEnd { stage: "search".into(), reason: reason.into(), converged: true }];
     reason.clone_into(&mut answer.stopped_because);
     Ok(Top { done, replayed, answer })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A form that the search chose (two branches, say) is not lost on the way to the rung's `run.toml`.
+    #[test]
+    fn a_rung_has_the_form_that_was_fitted() -> Result<(), Box<dyn std::error::Error>> {
+        let catalogue = effects::catalogue();
+        let folder = tempfile::tempdir()?;
+        let (base, formed) = (folder.path().join("base.toml"), folder.path().join("formed.toml"));
+        let text = "[geometry]\nlength_mm = 8.0\nwidth_mm = 6.0\nthickness_mm = 0.8\n[[tests]]\nkind = \"uniaxial\"\n\
+                    protocol = [{ to_mm = 1.0, rate_mm_per_s = 0.1 }]\n";
+        std::fs::write(&base, text)?;
+        std::fs::write(
+            &formed,
+            format!("{text}[effects.viscoelastic]\nbranches = 2\nrelaxing = \"fibres\"\ng = 0.1\n"),
+        )?;
+        let read = |path: &Path| input::read_case(path, &catalogue);
+        let (case, forms) = (read(&base)?, read(&formed)?.effects);
+        let row = LadderRow {
+            effects: vec!["viscoelastic".into()],
+            parameters: 0,
+            rms_n: 0.0,
+            reduced_chi2: 0.0,
+            reduced_chi2_total: 0.0,
+            held_out_rms_n: None,
+            bic: 0.0,
+            values: [("effects.viscoelastic.g2".to_owned(), 0.2)].into(),
+            forms: forms.clone(),
+        };
+        let rung = case_of(&case, &row, None);
+        assert_eq!(rung.effects[0].options, forms[0].options);
+        assert_eq!(rung.effects[0].parameters["g2"].value, Some(0.2));
+        Ok(())
+    }
 }
