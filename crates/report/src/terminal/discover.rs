@@ -22,9 +22,19 @@ fn sentences(out: &mut String, all: &[String]) {
     }
 }
 
-/// A verdict in its colour.
+/// A verdict in its colour; a screen alone only calls for effects.
 fn verdict(answer: &Value, style: Style) -> String {
     let word = text(answer, "verdict").replace('_', " ");
+    let groups = rows(answer, "groups");
+    if rows(answer, "ladder").is_empty() && !groups.is_empty() {
+        let one = |g: &Value| {
+            let names: Vec<&str> = g.as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+            names.join(" or ")
+        };
+        let called: Vec<String> = groups.iter().map(one).collect();
+        return style
+            .notice(&format!("the screen calls for {} (nothing was refitted)", called.join(" and ")));
+    }
     match word.as_str() {
         "nothing missing" | "explained" => style.good(&word),
         "ambiguous" => style.notice(&word),

@@ -151,14 +151,17 @@ pub fn ladder_rows(runs: &[(StoredRun, IdentifyAnswer)]) -> Vec<LadderRow> {
     rows
 }
 
+/// Columns of a bar: few, so that the effects' names keep theirs.
+const BAR: f64 = 5.0;
+
 /// The staircase of error against effects.
 pub fn ladder(rows: &[LadderRow], style: Style) -> String {
     let most = rows.iter().fold(f64::MIN_POSITIVE, |m, r| m.max(r.rms_N));
     let header =
-        ["effects", "params", "rms (N)", "", "held out (N)", "χ²/ν", "with num. error", "BIC", "Gc", "σc"];
+        ["effects", "par.", "rms (N)", "", "held out (N)", "χ²/ν", "with num. error", "BIC", "Gc", "σc"];
     let number = |x: Option<f64>, digits| x.map_or("–".into(), |x| significant(x, digits));
     let lines = rows.iter().map(|r| {
-        let bar = "█".repeat(((r.rms_N / most) * 12.0).round().max(1.0) as usize);
+        let bar = "█".repeat(((r.rms_N / most) * BAR).round().max(1.0) as usize);
         vec![
             if r.effects.is_empty() { "none".into() } else { r.effects.join(" + ") },
             r.parameters.to_string(),
