@@ -127,8 +127,10 @@ fn contours(out: &mut String, quads: &[[Corner; 4]], frame: &Frame, most: f64) {
     }
     for (path, colour) in paths.iter().zip(COLOURS).filter(|p| !p.0.is_empty()) {
         // The thin line of the same colour closes the seams that antialiasing leaves.
-        let _ =
-            writeln!(out, "<path d=\"{path}\" fill=\"{colour}\" stroke=\"{colour}\" stroke-width=\".5\"/>");
+        let _ = writeln!(
+            out,
+            "<path transform=\"scale(.1)\" d=\"{path}\" fill=\"{colour}\" stroke=\"{colour}\" stroke-width=\"5\"/>"
+        );
     }
 }
 
@@ -147,11 +149,23 @@ fn level(v: f64, most: f64, bands: usize) -> usize {
     ((v / most * bands as f64).floor().max(0.0) as usize).min(bands - 1)
 }
 
+/// Tenths of a pixel, each corner from the one before: a picture of a fine mesh stays a small file. What is smaller than
+/// that is not drawn.
 fn draw(path: &mut String, polygon: &[Corner], frame: &Frame) {
-    for (i, corner) in polygon.iter().enumerate() {
-        let [x, y] = frame.place(corner.0);
-        // Writing to a String cannot fail.
-        let _ = write!(path, "{}{x:.1} {y:.1}", if i == 0 { 'M' } else { 'L' });
+    let tenths = |c: &Corner| frame.place(c.0).map(|x| (10.0 * x).round() as i64);
+    let mut corners: Vec<[i64; 2]> = polygon.iter().map(tenths).collect();
+    corners.dedup();
+    if corners.len() < 3 {
+        return;
+    }
+    // Writing to a String cannot fail.
+    let _ = write!(path, "M{} {}l", corners[0][0], corners[0][1]);
+    for (i, pair) in corners.windows(2).enumerate() {
+        for (k, d) in [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]].into_iter().enumerate() {
+            // A minus sign separates, too.
+            let gap = if d < 0 || (i == 0 && k == 0) { "" } else { " " };
+            let _ = write!(path, "{gap}{d}");
+        }
     }
     path.push('z');
 }
