@@ -78,7 +78,7 @@ impl Factor {
         self.factor.len()
     }
 
-    /// Multiplications and additions of a factorisation: the sum of squares of the columns' lengths.
+    /// Multiplications and additions of one factorisation: the sum over the factor's columns of their length squared.
     pub fn flops(&self) -> f64 {
         let SymbolicCholeskyRaw::Supernodal(s) = self.symbolic.raw() else { return f64::NAN };
         let node = |k: usize| {
