@@ -28,8 +28,18 @@ const TRIALS: usize = 5;
 /// Reduced χ² beyond which a model is far from the record.
 pub(super) const FAR: f64 = 3.0;
 
-/// Shares of the screen's amplitude from which a rung's fit begins, in turn.
-const AMPLITUDES: [f64; 2] = [1.0, 0.05];
+/// Where a rung's fit begins, in turn: the share of the screen's amplitude, and the base's values.
+const STARTS: [(f64, Values); 3] = [(1.0, Values::Fitted), (0.05, Values::Fitted), (1.0, Values::OffBounds)];
+
+/// Values of the base from which a rung's fit begins.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Values {
+    /// As the base was fitted.
+    Fitted,
+    /// Those that the fit left at a bound begin at their own start again: a base that lacks an effect may have been
+    /// driven to where no run with the effect comes through (a matrix without stiffness, say).
+    OffBounds,
+}
 
 /// A tear path that lacked an effect may have been bent far from its own strength and toughness: these factors of
 /// the fitted ones (σc, Gc) leave the effect its share.
@@ -121,7 +131,8 @@ impl FeLadder<'_> {
     }
 
     /// Fits a rung from the screen's estimate. At its neutral value an effect leaves the base as good
-    /// as it was: a fit that ends worse, or cannot begin, starts once more from a small amplitude.
+    /// as it was: a fit that ends worse, or cannot begin, starts once more from a small amplitude; one that cannot
+    /// begin there either, from values off their bounds.
     pub(super) fn fit_near_neutral_if_need_be(
         &self,
         key: &[String],
@@ -129,11 +140,14 @@ impl FeLadder<'_> {
         hints: &diagnose::Hints,
     ) -> Result<Fitted, AnalysisError> {
         let mut best: Result<Fitted, AnalysisError> = Err(AnalysisError::Case("no base fit".into()));
-        for share in AMPLITUDES {
+        for (share, values) in STARTS {
             let Some(base) = self.nearest(key) else { break };
             let case = case_with(&self.case, &self.configs(effects, hints, base, share));
             let model = Model::new(Arc::new(case), self.catalogue, self.how)?;
-            let theta = transfer(&base.model, &base.theta, &model);
+            let mut theta = transfer(&base.model, &base.theta, &model);
+            if values == Values::OffBounds && (best.is_ok() || !off_bounds(base, &model, &mut theta)) {
+                break;
+            }
             let (correction, states, enough) =
                 (base.correction.clone(), self.guesses(base, &model), WORSE * base.fit.f);
             match self.fit_rung(model, theta, correction, states) {
@@ -274,4 +288,17 @@ impl FeLadder<'_> {
         let quality = quality(&self.measured.data, &list, &fit);
         Ok(Fitted { model, theta: all, free, frees: list, fit, quality, correction, warm })
     }
+}
+
+/// Gives the parameters that a fit left at a bound their own start; whether there are any.
+fn off_bounds(of: &Fitted, model: &Model, theta: &mut [f64]) -> bool {
+    let start = model.theta();
+    let mut any = false;
+    for (&i, _) in of.free.iter().zip(&of.fit.at_bound).filter(|(_, at)| **at) {
+        if let Some(j) = model.find(&of.model.parameters[i].path) {
+            theta[j] = start[j];
+            any = true;
+        }
+    }
+    any
 }

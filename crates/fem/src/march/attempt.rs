@@ -3,6 +3,7 @@
 use super::March;
 use crate::equilibrium::{Border, Control, NewtonOptions, Step, take_up, train_elongation};
 use crate::error::FemError;
+use crate::problem::Prescribed;
 use crate::state::State;
 use constitutive::Context;
 
@@ -17,19 +18,10 @@ impl March<'_> {
     ) -> Result<(Border, usize, State), FemError> {
         let mut fresh = self.state.clone();
         fresh.actuator = actuator;
-        let plain_train = self.problem.train.is_empty();
-        let (s, _) = take_up(self.problem, &self.local.takeup, actuator);
         let guessed = guess.is_some();
-        if let Some(u) = guess {
+        if let Some(u) = guess.or_else(|| self.extrapolate(actuator)) {
+            fresh.grip = self.grip_of(&u, actuator);
             fresh.u = u;
-            if plain_train {
-                fresh.grip = s;
-            }
-        } else if let Some(u) = self.extrapolate(actuator) {
-            fresh.u = u;
-            if plain_train {
-                fresh.grip = s;
-            }
         }
         let moved = fresh.u != self.state.u;
         let ctx = Context { time: self.state.time + clock * dt, ..self.context(dt) };
@@ -49,6 +41,19 @@ impl March<'_> {
         };
         self.check(&fresh, &border)?;
         Ok((border, converged.iterations, fresh))
+    }
+
+    /// Where the grip stands in a guess: with the actuator, or behind a load train where the guess itself has the
+    /// clamped faces. Elsewhere the clamps would tear at the elements beside them.
+    fn grip_of(&self, u: &[f64], actuator: f64) -> f64 {
+        let rigid = take_up(self.problem, &self.local.takeup, actuator).0;
+        if self.problem.train.is_empty() {
+            return rigid;
+        }
+        let pulled = |(s, u): (&Option<Prescribed>, &f64)| {
+            s.as_ref().filter(|p| p.grip != 0.0).map(|p| (u - p.mount) / p.grip)
+        };
+        self.problem.supports.iter().zip(u).find_map(pulled).unwrap_or(rigid)
     }
 
     /// Stability, and no unexplained change of force.
