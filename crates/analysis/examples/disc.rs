@@ -28,7 +28,7 @@ fn main() {
             }
         };
         println!("== {path} base {:.2}s", t.elapsed().as_secs_f64());
-        match diagnose::discover(&mut l, &policy, &mut |s| progress(s)) {
+        match l.search() {
             Err(e) => println!("   error {e}"),
             Ok(d) => {
                 println!(

@@ -264,7 +264,7 @@ pub fn discover(
     let start = Instant::now();
     let policy = Policy::default();
     let mut ladder = FeLadder::new(case, How { catalogue, policy: policy.clone(), progress, cancelled })?;
-    let d = diagnose::discover(&mut ladder, &policy, &mut |s| progress(s))?;
+    let d = ladder.search()?;
     Ok(DiscoverAnswer {
         ladder: d.ladder.iter().map(|r| ladder_row(&ladder, r)).collect(),
         found: d.found.clone(),

@@ -5,6 +5,7 @@
 use diagnose::noise::{NoiseError, estimate};
 use diagnose::segments::breaks;
 use inverse::Random;
+use rayon::prelude::*;
 
 /// Loads, holds and unloads of 40 points each; a stiffening force with relaxation.
 fn record(step: bool) -> (Vec<f64>, Vec<f64>, Vec<f64>, f64) {
@@ -39,18 +40,18 @@ fn record(step: bool) -> (Vec<f64>, Vec<f64>, Vec<f64>, f64) {
 fn mean_estimate(share: f64, ar1: f64, step: bool) -> (f64, f64, f64) {
     let (t, u, f, peak) = record(step);
     let sd = share * peak;
-    let (mut level, mut square, mut phi) = (0.0, 0.0, 0.0);
-    let runs = 150;
-    for seed in 0..runs {
+    let runs = 150_u64;
+    let one = |seed: u64| {
         let noise = Random::new(seed + 40).ar1(f.len(), sd, ar1);
         let y: Vec<f64> = f.iter().zip(noise.iter()).map(|(a, b)| a + b).collect();
         let e = estimate(&t, &y, &breaks(&t, &u)).unwrap();
-        level += e.sd / sd / runs as f64;
-        square += (e.sd / sd).powi(2) / runs as f64;
-        phi += e.ar1_raw / runs as f64;
         assert!(e.points_used > 150);
-    }
-    (level, (square - level * level).max(0.0).sqrt(), phi)
+        (e.sd / sd, e.ar1_raw)
+    };
+    let all: Vec<(f64, f64)> = (0..runs).into_par_iter().map(one).collect();
+    let mean = |g: &dyn Fn(&(f64, f64)) -> f64| all.iter().map(g).sum::<f64>() / runs as f64;
+    let level = mean(&|a| a.0);
+    (level, (mean(&|a| a.0.powi(2)) - level * level).max(0.0).sqrt(), mean(&|a| a.1))
 }
 
 #[test]

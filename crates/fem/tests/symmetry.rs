@@ -1,9 +1,11 @@
 //! Full, half and quarter models are one; the same bits on one and two threads.
 mod common;
+#[path = "common/laws.rs"]
+mod laws;
 
 use common::*;
 use fem::sensitivity::{Columns, columns_for};
-use fem::{MarchOptions, NoObserver, Problem, Run, System, Warm, march};
+use fem::{Link, MarchOptions, NoObserver, Problem, Run, System, Warm, march};
 use mesh::Strip;
 use std::sync::Arc;
 
@@ -121,4 +123,24 @@ fn guesses_change_the_cost_but_not_the_answer() {
     // Another mesh's states are no guess, and no fault either.
     let other = warmed(&whole, &theta, &targets, &warm);
     assert_eq!(forces(&other), forces(&complete(&whole, &theta, &targets, tight())));
+}
+
+/// The grip stands where the guess has the clamped faces, not where the last step left it.
+#[test]
+fn a_state_known_behind_a_load_train_is_found_at_once() {
+    let strip = Strip { half_height: true, half_thickness: true, ..peer_strip([4, 10, 2], true, false) };
+    let train = vec![Link { law: Arc::new(laws::Slip), params: vec![11] }];
+    let problem = Problem { train, ..problem(&strip, Ends::Clamped, 1) };
+    let mut theta = Tissue::peers(1.0, 0.1).theta(1);
+    theta.push(3.0);
+    let targets = plan(ramp(0.0, 3.0, 10));
+    let keep = MarchOptions { keep_states: true, ..tight() };
+    let cold = complete(&problem, &theta, &targets, keep);
+    let again = warmed(&problem, &theta, &targets, &Warm::of(&cold, targets.len()));
+    println!(
+        "behind a load train: {} iterations cold, {} from known states",
+        cold.iterations, again.iterations
+    );
+    assert!(worst(&forces(&again), &forces(&cold)) < 1e-8);
+    assert!(again.iterations <= 2, "{}", again.iterations);
 }

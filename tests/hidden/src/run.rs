@@ -104,7 +104,7 @@ fn search(
         analysis::How { catalogue: &catalogue, policy: policy.clone(), progress, cancelled: &late },
     )
     .map_err(|e| e.to_string())?;
-    let d = diagnose::discover(&mut ladder, &policy, &mut |s| progress(s)).map_err(|e| e.to_string())?;
+    let d = ladder.search().map_err(|e| e.to_string())?;
     Ok(answer(truth.clone(), &ladder, &d, &policy))
 }
 

@@ -187,7 +187,7 @@ impl FeLadder<'_> {
     }
 
     /// The states of a fitted rung as first guesses for another model of the same tests.
-    fn guesses(&self, of: &Fitted, model: &Model) -> Vec<Option<fem::Warm>> {
+    pub(super) fn guesses(&self, of: &Fitted, model: &Model) -> Vec<Option<fem::Warm>> {
         let one = |(t, w): (usize, &Option<fem::Warm>)| {
             let (from, to) = (of.model.plan(t, &self.options), model.plan(t, &self.options));
             w.as_ref().map(|w| to.guesses(&from, w))

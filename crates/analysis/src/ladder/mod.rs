@@ -7,6 +7,7 @@
 mod fit;
 mod forms;
 mod rung;
+mod search;
 
 use crate::columns::Base;
 use crate::data::Measured;
