@@ -16,12 +16,13 @@ ci:
 verification:
     cargo test --release -p fem -- --ignored --nocapture
 
-# Times of the hot loops: law points, assembly, factorisation, a torn strip, a search's iteration and screen. Not on a busy machine.
+# Times of the hot loops: law points, assembly, factorisation, a torn strip, a search's iteration and screen, and their ratios. Not on a busy machine.
 bench:
     cargo bench -p hgo --bench point
     cargo bench -p cohesive --bench point
     cargo bench -p fem --bench forward
     cargo bench -p analysis --bench iteration
+    cargo run --release -q -p workspace-tests --example ratios
 
 # The search for the missing effect on the practice records beside this repository.
 practice:

@@ -83,3 +83,28 @@ fn the_suite_is_complete() {
     }
     assert!(all.iter().all(|s| s.name.starts_with("case-") && s.name.len() == 8));
 }
+
+/// A base model left in a local minimum: what was found from there falls as far without its effects, and the search
+/// begins again.
+#[test]
+fn a_base_model_that_had_stuck_begins_again() {
+    let root = tempfile::tempdir().expect("a folder");
+    let folder = root.path().join("stuck");
+    generate(&spec("stuck", 24, &[]), &Fineness::QUICK, &folder).expect("the case can be made");
+    let catalogue = effects::catalogue();
+    let case = input::read_case(&folder.join("config.toml"), &catalogue).expect("a good file");
+    let policy = diagnose::Policy::default();
+    let how = analysis::How { catalogue: &catalogue, policy, progress: &|_| (), cancelled: &|| false };
+    let mut ladder = analysis::FeLadder::new(case.into(), how).expect("a base fit");
+    let base = ladder.rungs.get_mut(&Vec::new()).expect("the base is the first rung");
+    let found = base.fit.f;
+    base.fit.f *= 5.0;
+    let q = &mut base.quality;
+    q.bic += 4.0 * q.chi2_total;
+    for chi2 in [&mut q.chi2, &mut q.chi2_total, &mut q.reduced_chi2, &mut q.reduced_chi2_total] {
+        *chi2 *= 5.0;
+    }
+    let answer = ladder.search().expect("an answer");
+    assert_eq!(answer.verdict, diagnose::Verdict::NothingMissing, "{:?}", answer.found);
+    assert!(ladder.rungs[&Vec::new()].fit.f < 1.05 * found);
+}
