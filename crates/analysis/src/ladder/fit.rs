@@ -141,11 +141,14 @@ impl FeLadder<'_> {
     ) -> Result<Fitted, AnalysisError> {
         let mut best: Result<Fitted, AnalysisError> = Err(AnalysisError::Case("no base fit".into()));
         for (share, values) in STARTS {
+            if values == Values::OffBounds && best.is_ok() {
+                break;
+            }
             let Some(base) = self.nearest(key) else { break };
             let case = case_with(&self.case, &self.configs(effects, hints, base, share));
             let model = Model::new(Arc::new(case), self.catalogue, self.how)?;
             let mut theta = transfer(&base.model, &base.theta, &model);
-            if values == Values::OffBounds && (best.is_ok() || !off_bounds(base, &model, &mut theta)) {
+            if values == Values::OffBounds && !off_bounds(base, &model, &mut theta) {
                 break;
             }
             let (correction, states, enough) =

@@ -12,8 +12,8 @@ const STUCK: f64 = 0.5;
 
 impl FeLadder<'_> {
     /// Adds effects until the record is explained, or honestly not. Where the base model, begun at the values of the
-    /// answer, falls nearly as far without the effects, it had stuck in a local minimum: then the search is made once
-    /// more, from there.
+    /// answer, falls more than half as far without the effects, it had stuck in a local minimum: then the search is
+    /// made once more, from there.
     ///
     /// # Errors
     /// [`AnalysisError`].
@@ -22,7 +22,7 @@ impl FeLadder<'_> {
         let found = diagnose::discover(self, &policy, &mut |s| say(s))?;
         let Some(base) = self.unstuck(&found) else { return Ok(found) };
         say(
-            "the base model falls as far from the values of this answer: it had stuck; the search begins again from there",
+            "the base model had stuck: most of the fall is its own; the search begins again from these values",
         );
         self.rungs.clear();
         self.rungs.insert(Vec::new(), base);
@@ -41,7 +41,8 @@ impl FeLadder<'_> {
         let states = self.guesses(answer, &model);
         (self.progress)("the base model once more, from the values of this answer");
         let again = self.fit_model(model, theta, TOLERANCE, base.correction.clone(), states).ok()?;
-        let stuck = base.fit.f - again.fit.f > STUCK * (base.fit.f - answer.fit.f).max(0.0);
+        let fall = base.fit.f - answer.fit.f;
+        let stuck = fall > 0.0 && base.fit.f - again.fit.f > STUCK * fall;
         if stuck { self.corrected(again).ok() } else { None }
     }
 }
