@@ -37,6 +37,7 @@ fn element(c: &mut Criterion) {
                 &theta[..7],
                 geo,
                 &nodes,
+                hex8::Pressure::Own,
                 &[],
                 &mut [],
                 &mut scratch,
@@ -58,7 +59,17 @@ fn matrix(c: &mut Criterion) {
         let mut group = c.benchmark_group(format!("{n} unknowns, {} bricks", problem.body.hexes.len()));
         group.throughput(Throughput::Elements(problem.body.hexes.len() as u64));
         group.bench_function("assembly", |b| {
-            b.iter(|| system.assemble(&problem, &local, &Context::default(), &state.u, &old, &mut new))
+            b.iter(|| {
+                system.assemble(
+                    &problem,
+                    &local,
+                    &Context::default(),
+                    &state.u,
+                    fem::Pressures::Own,
+                    &old,
+                    &mut new,
+                )
+            })
         });
         group.throughput(Throughput::Elements(n as u64));
         let values = system.values.clone();

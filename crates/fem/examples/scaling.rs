@@ -47,7 +47,15 @@ fn main() {
         let (local, old) = (problem.local(&theta), state.history.clone());
         let mut new = History::virgin(&problem);
         let assembly = quickest(3, || {
-            let _ = system.assemble(&problem, &local, &Context::default(), &state.u, &old, &mut new);
+            let _ = system.assemble(
+                &problem,
+                &local,
+                &Context::default(),
+                &state.u,
+                fem::Pressures::Own,
+                &old,
+                &mut new,
+            );
         });
         let values = system.values.clone();
         let factorisation = quickest(3, || system.factor.factorise(&values));

@@ -16,6 +16,7 @@ pub mod factor;
 pub mod hex8;
 pub mod interface;
 mod march;
+mod newton;
 mod path;
 mod problem;
 pub mod sensitivity;
@@ -24,12 +25,13 @@ mod system;
 mod warm;
 
 pub use energy::Ledger;
-pub use equilibrium::{Control, NewtonOptions};
+pub use equilibrium::Control;
 pub use error::{ElementFault, FemError};
-pub use march::{Jump, MarchOptions, NoObserver, Observer, Run, StepRecord, Target, march};
+pub use march::{Jump, Kept, MarchOptions, NoObserver, Observer, Run, StepRecord, Target, march};
+pub use newton::NewtonOptions;
 pub use problem::{
     Blend, Body, CohesiveElement, Link, LocalParams, MountField, Path, Prescribed, Problem, ShapeField,
 };
-pub use state::{History, State, gather4, gather8};
-pub use system::{NONE, System};
+pub use state::{Guess, History, State, gather4, gather8};
+pub use system::{NONE, Pressures, System};
 pub use warm::Warm;

@@ -7,7 +7,7 @@
 use crate::equilibrium::{Border, Control, take_up, train_elongation};
 use crate::error::FemError;
 use crate::march::{Jump, March, fresh_commit};
-use crate::state::State;
+use crate::state::{Guess, State};
 
 /// Steps before a path is given up.
 const MOST_STEPS: usize = 4000;
@@ -40,8 +40,8 @@ struct Walk {
     smallest: f64,
     largest: f64,
     rate: f64,
-    /// Previous state's displacements and the arc between it and the present one.
-    before: Option<(Vec<f64>, f64, f64, f64)>,
+    /// Previous state, its grip and actuator, and the arc between it and the present one.
+    before: Option<(Guess, f64, f64, f64)>,
 }
 
 impl Walk {
@@ -71,10 +71,10 @@ impl Walk {
             let control =
                 Control::Arc { from: [m.state.actuator, w], tangent: self.tangent, length: self.length };
             let mut fresh = m.state.clone();
-            if let Some((u, grip, actuator, arc)) = &self.before {
+            if let Some((before, grip, actuator, arc)) = &self.before {
                 let r = self.length / arc;
-                for (a, b) in fresh.u.iter_mut().zip(u) {
-                    *a += r * (*a - b);
+                if let Some(g) = Guess::combined(&[(1.0 + r, &fresh.guess()), (-r, before)]) {
+                    fresh.begin_at(g);
                 }
                 fresh.grip += r * (fresh.grip - grip);
                 fresh.actuator += r * (fresh.actuator - actuator);
@@ -92,7 +92,7 @@ impl Walk {
             });
             match attempt {
                 Ok((c, border, next)) => {
-                    let kept = (m.state.u.clone(), m.state.grip, m.state.actuator, self.length);
+                    let kept = (m.state.guess(), m.state.grip, m.state.actuator, self.length);
                     let time = m.state.time + dt;
                     let held = self.tangent;
                     fresh_commit(m, fresh, time, dt, target, c.iterations, Some(held), &border)?;
@@ -261,7 +261,6 @@ fn land(
     if m.options.keep_states {
         let keep_states = states + (keep - first);
         m.run.states.drain(keep_states..m.run.states.len() - 1);
-        m.run.path_histories.drain(keep_states..m.run.path_histories.len() - 1);
         if m.options.keep_gradients {
             m.run.gradients.drain(keep_states..m.run.gradients.len() - 1);
         }

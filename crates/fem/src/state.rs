@@ -9,6 +9,8 @@ use crate::problem::Problem;
 pub struct State {
     /// Nodal displacements, 3 per node, mm.
     pub u: Vec<f64>,
+    /// Mean stress times volume of each brick, N·mm: none of the unknowns, but where Newton's method begins.
+    pub pressure: Vec<f64>,
     /// Distance the clamps moved apart, mm.
     pub grip: f64,
     /// Actuator displacement, mm.
@@ -54,12 +56,51 @@ impl State {
     pub fn virgin(problem: &Problem) -> Self {
         Self {
             u: vec![0.0; 3 * problem.body.nodes.len()],
+            pressure: vec![0.0; problem.body.hexes.len()],
             grip: 0.0,
             actuator: 0.0,
             force: 0.0,
             time: 0.0,
             history: History::virgin(problem),
         }
+    }
+}
+
+/// Where Newton's method begins.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Guess {
+    /// Nodal displacements, 3 per node, mm.
+    pub u: Vec<f64>,
+    /// Mean stress times volume of each brick, N·mm.
+    pub pressure: Vec<f64>,
+}
+
+impl Guess {
+    /// Σ wᵢ gᵢ of guesses on one mesh; none of none.
+    pub fn combined(of: &[(f64, &Self)]) -> Option<Self> {
+        let sum = |part: fn(&Self) -> &Vec<f64>, n: usize| {
+            let mut all = vec![0.0; n];
+            for (w, g) in of {
+                for (a, b) in all.iter_mut().zip(part(g)) {
+                    *a += w * b;
+                }
+            }
+            all
+        };
+        let first = of.first()?.1;
+        Some(Self { u: sum(|g| &g.u, first.u.len()), pressure: sum(|g| &g.pressure, first.pressure.len()) })
+    }
+}
+
+impl State {
+    /// Displacements and pressures, for a guess at another state.
+    pub fn guess(&self) -> Guess {
+        Guess { u: self.u.clone(), pressure: self.pressure.clone() }
+    }
+
+    /// Begins at a guess.
+    pub fn begin_at(&mut self, guess: Guess) {
+        (self.u, self.pressure) = (guess.u, guess.pressure);
     }
 }
 

@@ -1,14 +1,15 @@
 //! First guesses from an earlier run over the same plan: its states, moved by their derivatives to
 //! the new parameters.
 
-use crate::march::Run;
+use crate::march::{Kept, Run};
+use crate::state::Guess;
 use std::sync::Arc;
 
 /// States of an earlier run over the same plan, with their derivatives where that run had them.
 #[derive(Clone, Debug, Default)]
 pub struct Warm {
-    /// Displacements at each target, where known.
-    pub at_target: Vec<Option<Arc<Vec<f64>>>>,
+    /// State at each target, where known.
+    pub at_target: Vec<Option<Arc<Kept>>>,
     first_order: Option<FirstOrder>,
 }
 
@@ -27,7 +28,7 @@ impl Warm {
     }
 
     /// States known at some targets only.
-    pub const fn at(at_target: Vec<Option<Arc<Vec<f64>>>>) -> Self {
+    pub const fn at(at_target: Vec<Option<Arc<Kept>>>) -> Self {
         Self { at_target, first_order: None }
     }
 
@@ -62,18 +63,17 @@ impl Warm {
     }
 
     /// The state at a target, moved to the parameters `theta`.
-    pub(crate) fn state(&self, target: usize, theta: &[f64]) -> Option<Vec<f64>> {
-        let known = self.at_target.get(target)?.as_ref()?;
-        let mut u = known.to_vec();
+    pub(crate) fn state(&self, target: usize, theta: &[f64]) -> Option<Guess> {
+        let mut guess = self.at_target.get(target)?.as_ref()?.guess.clone();
         if let Some(f) = &self.first_order
             && let Some(Some(gradient)) = f.at_target.get(target)
         {
             let change: Vec<f64> = f.seeds.iter().map(|&s| theta[s] - f.theta[s]).collect();
-            for (u, row) in u.iter_mut().zip(gradient.chunks_exact(change.len())) {
+            for (u, row) in guess.u.iter_mut().zip(gradient.chunks_exact(change.len())) {
                 *u += row.iter().zip(&change).map(|(&g, c)| f64::from(g) * c).sum::<f64>();
             }
         }
-        Some(u)
+        Some(guess)
     }
 }
 
@@ -89,10 +89,10 @@ fn pick<T>(run: &Run, kept: &[Arc<T>], targets: usize) -> Vec<Option<Arc<T>>> {
 }
 
 /// Earlier run's state plus the extrapolated difference between the runs.
-pub(crate) fn warm_guess(u: &[f64], differences: &[Vec<f64>]) -> Vec<f64> {
+pub(crate) fn warm_guess(known: &Guess, differences: &[Guess]) -> Option<Guess> {
     match differences {
-        [] => u.to_vec(),
-        [d] => u.iter().zip(d).map(|(u, d)| u + d).collect(),
-        [.., d0, d1] => u.iter().zip(d0.iter().zip(d1)).map(|(u, (d0, d1))| u + 2.0 * d1 - d0).collect(),
+        [] => Some(known.clone()),
+        [d] => Guess::combined(&[(1.0, known), (1.0, d)]),
+        [.., d0, d1] => Guess::combined(&[(1.0, known), (2.0, d1), (-1.0, d0)]),
     }
 }

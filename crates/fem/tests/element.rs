@@ -38,7 +38,20 @@ fn brick_tangent_is_the_derivative_of_the_residual() {
             let geo = hex8::geometry(&x);
             let mut hand = hex8::Tangent::default();
             let scratch = &mut hex8::Scratch::default();
-            hex8::tangent(0, law, &CTX, &params, &geo, &u, &[], &mut [], scratch, &mut hand).unwrap();
+            hex8::tangent(
+                0,
+                law,
+                &CTX,
+                &params,
+                &geo,
+                &u,
+                hex8::Pressure::Own,
+                &[],
+                &mut [],
+                scratch,
+                &mut hand,
+            )
+            .unwrap();
             let (r, k) = jet_tangent(law, &params, &x, &u);
             let scale = k.iter().flatten().fold(0.0f64, |m, v| m.max(v.abs()));
             let force = r.iter().fold(0.0f64, |m, v| m.max(v.abs()));

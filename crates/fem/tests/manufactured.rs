@@ -173,7 +173,7 @@ fn newton(
     let (mut norms, mut last): (Vec<f64>, Vec<f64>) = (Vec::new(), u.clone());
     for _ in 0..20 {
         // A step that turns an element inside out is halved.
-        while system.assemble(problem, &local, &CTX, u, &old, &mut new).is_err() {
+        while system.assemble(problem, &local, &CTX, u, fem::Pressures::Own, &old, &mut new).is_err() {
             u.iter_mut().zip(&last).for_each(|(a, b)| *a = 0.5 * (*a + b));
         }
         let mut rhs = vec![0.0; system.unknowns];

@@ -7,8 +7,10 @@
 //! constant pressure and dilatation.
 
 mod tangent;
+mod volume;
 
 pub use tangent::{Scratch, Tangent, tangent};
+pub use volume::{Pressure, Volume};
 
 use constitutive::{Context, Law, Over, PointLaw, Scalar, tensor};
 

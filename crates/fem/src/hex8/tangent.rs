@@ -11,8 +11,13 @@
 //! (docs/theory.md). The last two terms act through F̄⁻¹ like a modulus, so they are folded into A
 //! before it meets the shape gradients: what remains per node pair is 3 + 2 products.
 //!
+//! The pressure of the law is that of the volume at hand. That of the tangent's geometric part need not be: with
+//! a bulk modulus thousands of times the matrix's stiffness it comes from the volume as linearised by the
+//! Newton step ([`Pressure`]), since the second order that the step leaves in the volume would swamp it.
+//!
 //! Everything is laid out in lanes over the eight nodes.
 
+use super::volume::{Pressure, Volume};
 use super::{Geometry, POINTS};
 use crate::error::ElementFault;
 use constitutive::{Context, Describe, PointLaw, tangent_by_jets_9, tensor};
@@ -22,7 +27,7 @@ use wide::{f64x4, f64x8};
 const DOFS: usize = super::DOFS;
 
 /// One number per node.
-type Lane = f64x8;
+pub(super) type Lane = f64x8;
 type Matrix = [f64; 9];
 
 /// Result buffers of [`tangent`].
@@ -33,11 +38,13 @@ pub struct Tangent {
     /// Lower triangle by rows, N/mm: `rows[i][k][b]` stands for row i and unknown k of node b, as far
     /// as b is not beyond the row's own node. What lies beyond is void.
     pub rows: [[[f64; 8]; 3]; DOFS],
+    /// Volume and pressure there.
+    pub volume: Volume,
 }
 
 impl Default for Tangent {
     fn default() -> Self {
-        Self { residual: [0.0; DOFS], rows: [[[0.0; 8]; 3]; DOFS] }
+        Self { residual: [0.0; DOFS], rows: [[[0.0; 8]; 3]; DOFS], volume: Volume::default() }
     }
 }
 
@@ -84,7 +91,7 @@ struct Point {
     c: [[Lane; 9]; 3],
 }
 
-const NO_LANES: [Lane; 3] = [ZERO; 3];
+pub(super) const NO_LANES: [Lane; 3] = [ZERO; 3];
 const NO_POINT: Point = Point { g: NO_LANES, h: NO_LANES, alpha: NO_LANES, c: [[ZERO; 9]; 3] };
 
 /// Deformation at the points.
@@ -159,6 +166,7 @@ pub fn tangent(
     params: &[f64],
     geo: &Geometry<f64>,
     u: &[[f64; 3]; 8],
+    pressure_of: Pressure<'_>,
     old: &[f64],
     new: &mut [f64],
     scratch: &mut Scratch,
@@ -172,7 +180,7 @@ pub fn tangent(
     }
     let j_bar = d.volume / geo.volumes.iter().sum::<f64>();
     let nh = old.len() / POINTS;
-    let (Scratch { answers, points }, Tangent { residual: forces, rows }) = (scratch, out);
+    let (Scratch { answers, points }, Tangent { residual: forces, rows, volume }) = (scratch, out);
     let (mut pressure, mut scales) = (0.0, [0.0; POINTS]);
     for q in 0..POINTS {
         let scale = constitutive::Scalar::cbrt(j_bar / d.j[q]);
@@ -193,12 +201,15 @@ pub fn tangent(
         let stretch = d.f.iter().map(super::largest_stretch).fold(0.0, f64::max);
         return Err(ElementFault::Overflow { element, stretch });
     }
-    let mut residual = NO_LANES;
+    *volume = Volume::at(lanes, d.mean, d.volume, pressure, pressure_of);
+    let linearised = pressure - volume.excess;
+    let (mut residual, mut stiffness) = (NO_LANES, 0.0);
     for q in 0..POINTS {
-        let scale = Lane::splat(scales[q]);
+        let (w, scale) = (geo.volumes[q], Lane::splat(scales[q]));
         points[q].g = geo.gradients[q].map(|g| Lane::from(g) * scale);
-        prepare(&d, q, geo.volumes[q], &mut answers[q], pressure, &mut points[q], &mut residual);
+        stiffness += w * prepare(&d, q, w, &mut answers[q], linearised, &mut points[q], &mut residual);
     }
+    volume.stiffness = stiffness - pressure;
     for i in 0..3 {
         residual[i] = d.mean[i].mul_add(Lane::splat(pressure), residual[i]);
         for (a, r) in residual[i].as_array().iter().enumerate() {
@@ -214,7 +225,8 @@ pub fn tangent(
     Ok(())
 }
 
-/// What a point contributes, in lanes over the nodes; its residual is added at once.
+/// What a point contributes, in lanes over the nodes; its residual is added at once. Returns the slope of its
+/// mean stress against the logarithm of the volume.
 #[inline(always)]
 fn prepare(
     d: &Deformation,
@@ -224,7 +236,7 @@ fn prepare(
     pressure: f64,
     point: &mut Point,
     residual: &mut [Lane; 3],
-) {
+) -> f64 {
     let (f, p, a) = (&d.f[q], &answer.p, &mut answer.a);
     // M = F̄:A + P and s = M:F̄.
     let mut m = *p;
@@ -248,6 +260,7 @@ fn prepare(
             point.c[i][kl] = combine([a[3 * i][kl], a[3 * i + 1][kl], a[3 * i + 2][kl]], &point.g);
         }
     }
+    s / 9.0
 }
 
 /// A ← w A + share F̄⁻ᵀ⊗F̄⁻ᵀ + (w p − share) of the same with the legs crossed.

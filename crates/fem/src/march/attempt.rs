@@ -1,10 +1,11 @@
 //! One Newton solution from the last state, and what it must pass to be a step.
 
 use super::March;
-use crate::equilibrium::{Border, Control, NewtonOptions, Step, take_up, train_elongation};
+use crate::equilibrium::{Border, Control, take_up, train_elongation};
 use crate::error::FemError;
+use crate::newton::{Converged, NewtonOptions, Step};
 use crate::problem::Prescribed;
-use crate::state::State;
+use crate::state::{Guess, State};
 use constitutive::Context;
 
 impl March<'_> {
@@ -14,14 +15,14 @@ impl March<'_> {
         actuator: f64,
         dt: f64,
         clock: f64,
-        guess: Option<Vec<f64>>,
+        guess: Option<Guess>,
     ) -> Result<(Border, usize, State), FemError> {
         let mut fresh = self.state.clone();
         fresh.actuator = actuator;
         let guessed = guess.is_some();
-        if let Some(u) = guess.or_else(|| self.extrapolate(actuator)) {
-            fresh.grip = self.grip_of(&u, actuator);
-            fresh.u = u;
+        if let Some(guess) = guess.or_else(|| self.extrapolate(actuator)) {
+            fresh.grip = self.grip_of(&guess.u, actuator);
+            fresh.begin_at(guess);
         }
         let moved = fresh.u != self.state.u;
         let ctx = Context { time: self.state.time + clock * dt, ..self.context(dt) };
@@ -107,7 +108,7 @@ impl March<'_> {
         ctx: Context,
         control: Control,
         fresh: &mut State,
-    ) -> Result<crate::equilibrium::Converged, FemError> {
+    ) -> Result<Converged, FemError> {
         if self.run.iterations > self.options.budget {
             return Err(FemError::Setup(format!("more than {} Newton iterations", self.options.budget)));
         }
@@ -128,11 +129,15 @@ impl March<'_> {
             options: newton,
             force_floor: 1e-3 * self.force_floor,
         };
-        let result = step.solve(self.system, fresh);
-        self.run.iterations += match &result {
-            Ok(c) => c.iterations,
-            Err(_) => newton.max_iterations,
-        };
-        result
+        match step.solve(self.system, fresh) {
+            Ok(c) => {
+                self.run.iterations += c.iterations;
+                Ok(c)
+            }
+            Err((e, iterations)) => {
+                self.run.iterations += iterations;
+                Err(e)
+            }
+        }
     }
 }

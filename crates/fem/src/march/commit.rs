@@ -1,7 +1,7 @@
 //! Accepting a step: derivatives, energies, history, the record of it.
 
 use super::visits::Visit;
-use super::{March, StepRecord};
+use super::{Kept, March, StepRecord};
 use crate::energy::{self, Ledger};
 use crate::equilibrium::Border;
 use crate::error::FemError;
@@ -47,8 +47,8 @@ pub(crate) fn fresh_commit(
     m.state = fresh;
     m.state.time = time;
     if m.options.keep_states {
-        m.run.states.push(Arc::new(m.state.u.clone()));
-        m.run.path_histories.push(Arc::new(m.state.history.path.clone()));
+        let kept = Kept { guess: m.state.guess(), path: m.state.history.path.clone() };
+        m.run.states.push(Arc::new(kept));
     }
     if m.options.keep_gradients {
         m.run.gradients.push(Arc::new(gradient));
@@ -62,7 +62,7 @@ pub(crate) fn fresh_commit(
     if arc.is_some() {
         m.recent.clear();
     } else {
-        m.recent.push((m.state.actuator, m.state.u.clone()));
+        m.recent.push((m.state.actuator, m.state.guess()));
         if m.recent.len() > 3 {
             m.recent.remove(0);
         }

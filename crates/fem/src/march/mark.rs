@@ -39,7 +39,6 @@ impl March<'_> {
         [self.force_floor, self.largest_force] = mark.floors;
         self.run.steps.truncate(mark.steps);
         self.run.states.truncate(mark.states);
-        self.run.path_histories.truncate(mark.states);
         self.run.gradients.truncate(mark.gradients);
         self.forget();
     }

@@ -9,14 +9,14 @@ mod visits;
 
 pub(crate) use commit::fresh_commit;
 pub use options::{MarchOptions, NoObserver, Observer, Target};
-pub use record::{Jump, Run, StepRecord};
+pub use record::{Jump, Kept, Run, StepRecord};
 
 use crate::equilibrium::{free_dofs, mean_opening};
 use crate::error::FemError;
 use crate::path;
 use crate::problem::{LocalParams, Problem};
 use crate::sensitivity::Columns;
-use crate::state::State;
+use crate::state::{Guess, State};
 use crate::system::System;
 use crate::warm::{Warm, warm_guess};
 use visits::Visit;
@@ -39,7 +39,7 @@ pub(crate) struct March<'a> {
     pub largest_force: f64,
     visits: Vec<Visit>,
     reusable: bool,
-    recent: Vec<(f64, Vec<f64>)>,
+    recent: Vec<(f64, Guess)>,
     /// Cuts have not helped so far: Newton gets more iterations.
     stubborn: bool,
     train_energy: f64,
@@ -83,7 +83,7 @@ pub fn march(
         options,
         reusable,
     };
-    let mut differences: Vec<Vec<f64>> = Vec::new();
+    let mut differences: Vec<Guess> = Vec::new();
     for (index, target) in targets.iter().enumerate() {
         if cancelled() {
             m.run.failure = Some(FemError::Setup("stopped by the user".into()));
@@ -100,16 +100,16 @@ pub fn march(
             continue;
         }
         // States of another mesh (half the height, say) are no guess for this one.
-        let fits = |u: &Vec<f64>| u.len() == m.state.u.len();
+        let fits = |g: &Guess| g.u.len() == m.state.u.len();
         let known = warm.and_then(|w| w.state(index, theta)).filter(fits);
-        let guess = known.as_ref().map(|u| warm_guess(u, &differences));
+        let guess = known.as_ref().and_then(|known| warm_guess(known, &differences));
         if let Err(e) = m.reach(index, target, guess) {
             m.run.failure = Some(e);
             break;
         }
         match known {
-            Some(u) => {
-                differences.push(m.state.u.iter().zip(u.iter()).map(|(a, b)| a - b).collect());
+            Some(known) => {
+                differences.extend(Guess::combined(&[(1.0, &m.state.guess()), (-1.0, &known)]));
                 if differences.len() > 2 {
                     differences.remove(0);
                 }
@@ -123,7 +123,7 @@ pub fn march(
 
 impl March<'_> {
     /// Goes to a target, cutting steps where needed.
-    fn reach(&mut self, index: usize, target: &Target, mut guess: Option<Vec<f64>>) -> Result<(), FemError> {
+    fn reach(&mut self, index: usize, target: &Target, mut guess: Option<Guess>) -> Result<(), FemError> {
         let (start, start_time) = (self.state.actuator, self.state.time);
         let clock = if target.rest { 0.0 } else { 1.0 };
         let travel = target.actuator - start;

@@ -1,6 +1,6 @@
 //! What a run is asked for: its targets, how it is made, what is observed on the way.
 
-use crate::equilibrium::NewtonOptions;
+use crate::newton::NewtonOptions;
 use crate::state::State;
 
 /// A point of the plan.

@@ -3,7 +3,7 @@
 use crate::energy::Ledger;
 use crate::error::FemError;
 use crate::sensitivity::StepDerivatives;
-use crate::state::State;
+use crate::state::{Guess, State};
 use std::sync::Arc;
 
 /// A jump at a standing actuator.
@@ -54,15 +54,22 @@ pub struct StepRecord {
     pub revisited: bool,
 }
 
+/// What is kept of a state: for fields, and for the first guesses of another run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Kept {
+    /// Displacements and pressures.
+    pub guess: Guess,
+    /// History of the tear path (δ_max).
+    pub path: Vec<f64>,
+}
+
 /// A whole run; `failure` says why it ended early, if it did.
 #[derive(Clone, Debug, Default)]
 pub struct Run {
     /// Converged steps in order.
     pub steps: Vec<StepRecord>,
-    /// Displacements of each step, where kept.
-    pub states: Vec<Arc<Vec<f64>>>,
-    /// Histories of each step, where kept: the paths (δ_max) for fields.
-    pub path_histories: Vec<Arc<Vec<f64>>>,
+    /// States of each step, where kept.
+    pub states: Vec<Arc<Kept>>,
     /// du/dθ of each step, where kept: `[dof * columns + c]`. Single precision: a first guess.
     pub gradients: Vec<Arc<Vec<f32>>>,
     /// Jumps.

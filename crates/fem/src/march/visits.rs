@@ -2,7 +2,7 @@
 //! a branch are extrapolated.
 
 use super::{March, Target};
-use crate::state::State;
+use crate::state::{Guess, State};
 
 /// A visited state that an elastic excursion may come back to.
 pub(super) struct Visit {
@@ -38,7 +38,6 @@ impl March<'_> {
         }
         if self.options.keep_states {
             self.run.states.push(self.run.states[step].clone());
-            self.run.path_histories.push(self.run.path_histories[step].clone());
         }
         if self.options.keep_gradients {
             self.run.gradients.push(self.run.gradients[step].clone());
@@ -49,7 +48,7 @@ impl March<'_> {
     }
 
     /// Quadratic (or linear) extrapolation of the last states of the same branch.
-    pub(super) fn extrapolate(&self, actuator: f64) -> Option<Vec<f64>> {
+    pub(super) fn extrapolate(&self, actuator: f64) -> Option<Guess> {
         let n = self.recent.len();
         let weights: Vec<f64> = match n {
             0 | 1 => return None,
@@ -59,14 +58,8 @@ impl March<'_> {
         if weights.iter().any(|w| !w.is_finite() || w.abs() > 20.0) {
             return None;
         }
-        let used = &self.recent[n - weights.len()..];
-        let mut u = vec![0.0; self.state.u.len()];
-        for (w, (_, s)) in weights.iter().zip(used) {
-            for (a, b) in u.iter_mut().zip(s) {
-                *a += w * b;
-            }
-        }
-        Some(u)
+        let used = self.recent[n - weights.len()..].iter().map(|(_, g)| g);
+        Guess::combined(&weights.into_iter().zip(used).collect::<Vec<_>>())
     }
 }
 

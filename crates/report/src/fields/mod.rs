@@ -61,11 +61,12 @@ fn of_test(
     let mut out = Vec::new();
     let mut next = points.into_iter().peekable();
     for (i, step) in test.run.steps.iter().enumerate().take(steps) {
-        let u = &test.run.states[i];
+        let kept = &test.run.states[i];
+        let u = &kept.guess.u;
         let wanted = next.peek().is_some_and(|p| p.step == i);
         let cells = strip.advance(step, u, wanted);
         if let (Some(cells), Some(point)) = (cells, next.next_if(|p| p.step == i)) {
-            let path = test.run.path_histories.get(i).and_then(|h| path::grid(&problem, theta, u, h));
+            let path = path::grid(&problem, theta, u, &kept.path);
             out.push(Snapshot { point, bulk: bulk::grid(&problem, mesh, u, &cells), path });
         }
     }

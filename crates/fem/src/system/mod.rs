@@ -12,12 +12,30 @@ use crate::state::{History, gather4, gather8};
 use constitutive::Context;
 use rayon::prelude::*;
 
+mod pattern;
+
+use pattern::{lower_triangle, mean_opening, path_dofs, pattern};
+
 /// Marks a constrained degree of freedom, and a matrix entry outside the free block.
 pub const NONE: usize = usize::MAX;
 const SKIP: u32 = u32::MAX;
 
 /// Elements evaluated together by one task.
 const GRAIN: usize = 16;
+
+/// Where the tangents of the bricks take their pressures from ([`hex8::Pressure`]).
+#[derive(Clone, Copy, Debug)]
+pub enum Pressures<'a> {
+    /// The law.
+    Own,
+    /// A first guess: mean stress times volume of each brick, N·mm.
+    Guessed(&'a [f64]),
+    /// The iterate that was left ([`System::leave`]), linearised over this share of a Newton step.
+    Linearised {
+        /// Share of the step.
+        share: f64,
+    },
+}
 
 /// Numbering, pattern, buffers and factor for one problem.
 pub struct System {
@@ -31,6 +49,8 @@ pub struct System {
     pub values: Vec<f64>,
     /// Out-of-balance forces on the free degrees of freedom, N (internal, to be zero).
     pub residual: Vec<f64>,
+    /// The same with the pressures that the tangent uses, N: what a Newton step is judged by.
+    pub mixed: Vec<f64>,
     /// ∂residual/∂(grip displacement).
     pub grip_column: Vec<f64>,
     /// ∂(grip force)/∂(grip displacement) with the free unknowns held.
@@ -49,6 +69,8 @@ pub struct System {
     grip_hexes: Vec<usize>,
     geometry: Vec<hex8::Geometry<f64>>,
     elements: Vec<hex8::Tangent>,
+    /// Volumes and pressures of the iterate that a Newton step leaves.
+    left: Vec<hex8::Volume>,
     /// Mean-opening functional: (equation, weight), weights of a unit mean opening.
     pub mean_opening: Vec<(usize, f64)>,
 }
@@ -120,6 +142,7 @@ impl System {
             factor: Factor::new(unknowns, col_ptr, row_idx.clone())?,
             values: vec![0.0; row_idx.len()],
             residual: vec![0.0; unknowns],
+            mixed: vec![0.0; unknowns],
             grip_column: vec![0.0; unknowns],
             grip_stiffness: 0.0,
             grip_force: 0.0,
@@ -132,6 +155,7 @@ impl System {
             grip_hexes,
             geometry: Vec::new(),
             elements: vec![hex8::Tangent::default(); body.hexes.len()],
+            left: vec![hex8::Volume::default(); body.hexes.len()],
             mean_opening: Vec::new(),
             equation,
             unknowns,
@@ -157,22 +181,25 @@ impl System {
         &self.path_dofs[e]
     }
 
-    /// Residual and tangent at `u`; the new history goes to `new`.
+    /// Residual and tangent at `u`, with the tangent's pressures as said; the new history goes to `new`.
     ///
     /// # Errors
     /// The first fault in element order.
+    #[allow(clippy::too_many_arguments)]
     pub fn assemble(
         &mut self,
         problem: &Problem,
         local: &LocalParams<f64>,
         ctx: &Context,
         u: &[f64],
+        pressures: Pressures<'_>,
         old: &History,
         new: &mut History,
     ) -> Result<(), ElementFault> {
-        self.evaluate_bricks(problem, local, ctx, u, old, new)?;
+        self.evaluate_bricks(problem, local, ctx, u, pressures, old, new)?;
         self.values.fill(0.0);
         self.residual.fill(0.0);
+        self.mixed.fill(0.0);
         self.grip_column.fill(0.0);
         (self.grip_stiffness, self.grip_force) = (0.0, 0.0);
         (self.force_scale, self.stiffness_scale) = (0.0, 0.0);
@@ -193,7 +220,10 @@ impl System {
                 self.stiffness_scale = self.stiffness_scale.max(el.entry(i, i));
                 match self.equation[dof] {
                     NONE => self.grip_force += self.grip_share[dof] * r,
-                    eq => self.residual[eq] += r,
+                    eq => {
+                        self.residual[eq] += r;
+                        self.mixed[eq] += r - el.volume.excess_force(i);
+                    }
                 }
             }
         }
@@ -204,17 +234,19 @@ impl System {
         self.add_path(problem, local, ctx, u, old, new)
     }
 
+    #[allow(clippy::too_many_arguments)]
     fn evaluate_bricks(
         &mut self,
         problem: &Problem,
         local: &LocalParams<f64>,
         ctx: &Context,
         u: &[f64],
+        pressures: Pressures<'_>,
         old: &History,
         new: &mut History,
     ) -> Result<(), ElementFault> {
         let nh = problem.bulk_history() * hex8::POINTS;
-        let geometry = &self.geometry;
+        let (geometry, left) = (&self.geometry, &self.left);
         let one = |e: usize, scratch: &mut hex8::Scratch, out: &mut hex8::Tangent, new: &mut [f64]| {
             let nodes = gather8(u, &problem.body.hexes[e]);
             hex8::tangent(
@@ -224,6 +256,11 @@ impl System {
                 &local.bulk,
                 &geometry[e],
                 &nodes,
+                match pressures {
+                    Pressures::Own => hex8::Pressure::Own,
+                    Pressures::Guessed(all) => hex8::Pressure::Guessed(all[e]),
+                    Pressures::Linearised { share } => hex8::Pressure::Linearised { from: &left[e], share },
+                },
                 &old.bulk[e * nh..(e + 1) * nh],
                 new,
                 scratch,
@@ -334,83 +371,30 @@ impl System {
             let dof = self.path_dofs[e][i];
             match self.equation[dof] {
                 NONE => self.grip_force += self.grip_share[dof] * r[i],
-                eq => self.residual[eq] += r[i],
-            }
-        }
-    }
-
-    /// Largest out-of-balance force over the yardstick.
-    pub fn imbalance(&self) -> f64 {
-        self.residual.iter().fold(0.0f64, |m, r| if r.is_nan() { f64::INFINITY } else { m.max(r.abs()) })
-    }
-}
-
-/// Entries of the lower triangle of a brick's tangent, row by row.
-fn lower_triangle() -> impl Iterator<Item = (usize, usize)> {
-    (0..hex8::DOFS).flat_map(|i| (0..=i).map(move |j| (i, j)))
-}
-
-fn path_dofs(el: &crate::problem::CohesiveElement) -> Vec<usize> {
-    match &el.upper {
-        None => el.lower.iter().map(|n| 3 * n + 1).collect(),
-        Some(upper) => el.lower.iter().chain(upper).flat_map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect(),
-    }
-}
-
-/// Lower-triangle pattern in compressed columns, held by sprs while it is built.
-fn pattern(
-    n: usize,
-    equation: &[usize],
-    elements: impl Iterator<Item = Vec<usize>>,
-) -> (Vec<usize>, Vec<usize>) {
-    let mut entries = sprs::TriMat::<u8>::new((n, n));
-    for i in 0..n {
-        entries.add_triplet(i, i, 1);
-    }
-    // Node pairs repeat between neighbouring elements: keep each once.
-    let mut seen = std::collections::HashSet::new();
-    for dofs in elements {
-        for &i in &dofs {
-            for &j in &dofs {
-                let (ei, ej) = (equation[i], equation[j]);
-                if ei != NONE && ej != NONE && ei > ej && seen.insert((ei, ej)) {
-                    entries.add_triplet(ei, ej, 1);
+                eq => {
+                    self.residual[eq] += r[i];
+                    self.mixed[eq] += r[i];
                 }
             }
         }
     }
-    let csc: sprs::CsMat<u8> = entries.to_csc();
-    let (ptr, mut rows, _) = csc.into_raw_storage();
-    for j in 0..n {
-        rows[ptr[j]..ptr[j + 1]].sort_unstable();
-    }
-    (ptr, rows)
-}
 
-/// Weights of the mean normal opening in the reference direction y.
-fn mean_opening(problem: &Problem, equation: &[usize]) -> Vec<(usize, f64)> {
-    let body = &problem.body;
-    let mut weights = std::collections::BTreeMap::new();
-    let mut total = 0.0;
-    for el in &body.cohesive {
-        let x = el.lower.map(|n| body.nodes[n]);
-        let zero = [[0.0; 3]; 4];
-        let area: f64 =
-            interface::openings(&x, &zero, &zero, interface::Integration::Gauss).iter().map(|o| o.1).sum();
-        total += area;
-        for a in 0..4 {
-            match &el.upper {
-                None => *weights.entry(3 * el.lower[a] + 1).or_insert(0.0) += 2.0 * 0.25 * area,
-                Some(upper) => {
-                    *weights.entry(3 * el.lower[a] + 1).or_insert(0.0) -= 0.25 * area;
-                    *weights.entry(3 * upper[a] + 1).or_insert(0.0) += 0.25 * area;
-                }
-            }
+    /// A Newton step leaves the iterate of the last assembly: pressures are linearised from here.
+    pub fn leave(&mut self) {
+        for (left, el) in self.left.iter_mut().zip(&self.elements) {
+            *left = el.volume;
         }
     }
-    weights
-        .into_iter()
-        .filter(|&(dof, _)| equation[dof] != NONE)
-        .map(|(dof, w): (usize, f64)| (equation[dof], w / total))
-        .collect()
+
+    /// Pressures of the last assembly, by the law.
+    pub fn pressures(&self) -> impl Iterator<Item = f64> {
+        self.elements.iter().map(|el| el.volume.pressure)
+    }
+
+    /// Largest out-of-balance force, N: of the residual, and of that with the pressures of the tangent.
+    pub fn imbalance(&self) -> [f64; 2] {
+        let largest =
+            |r: &[f64]| r.iter().fold(0.0f64, |m, r| if r.is_nan() { f64::INFINITY } else { m.max(r.abs()) });
+        [largest(&self.residual), largest(&self.mixed)]
+    }
 }
