@@ -6,7 +6,7 @@ mod bricks;
 mod common;
 
 use bricks::{CTX, bulks, cube};
-use common::{Tissue, complete, order, plan, ramp, tight};
+use common::{Ends, Tissue, complete, order, peer_strip, plan, problem, ramp, shipped, tight};
 use constitutive::{Law, tensor};
 use fem::{Body, Prescribed, Problem, hex8};
 use hgo::Hgo;
@@ -176,4 +176,19 @@ fn cook_panel_converges() {
         assert!(orders[1] > least, "{orders:?}");
         assert!((reactions[3] / limit - 1.0).abs() < 0.01);
     }
+}
+
+/// A bulk modulus far beyond the matrix's stiffness costs Newton's method little: pressures are carried from
+/// iterate to iterate to first order, not taken from what a linear step leaves in the volumes.
+#[test]
+fn newton_does_not_mind_a_large_bulk_modulus() {
+    let problem = problem(&peer_strip([8, 20, 2], false, true), Ends::Clamped, 1);
+    let counts = [1.0, 20.0, 400.0].map(|bulk_modulus| {
+        let mut theta = Tissue::peers(bulk_modulus, 0.1).theta(1);
+        theta[0] = 0.8e-3;
+        let run = complete(&problem, &theta, &plan(ramp(0.0, 2.0, 10)), shipped());
+        run.iterations
+    });
+    println!("iterations with K0 = 1, 20, 400 MPa beside mu = 0.8 kPa: {counts:?}");
+    assert!(2 * counts[2] <= 3 * counts[0], "{counts:?}");
 }
