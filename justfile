@@ -24,6 +24,20 @@ bench:
     cargo bench -p analysis --bench iteration
     cargo run --release -q -p workspace-tests --example ratios
 
+# CPU seconds of the peers' strips, whole and with their symmetry; FElupe beside them: tests/data/peers/tension.py. Not on a busy machine.
+peers:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    cargo build --release -q
+    out=$(mktemp -d)
+    for strip in tension_20x50x4 tear_8x20x2 tear_20x50x4; do
+        for symmetry in none auto; do
+            sed "s/symmetry = .*/symmetry = \"$symmetry\"/" tests/data/peers/$strip.toml > "$out/$strip-$symmetry.toml"
+            echo "$strip, symmetry = $symmetry"
+            (time ./target/release/fct simulate "$out/$strip-$symmetry.toml" --threads 1 --out "$out/$strip-$symmetry" > /dev/null 2>&1) 2>&1 | grep -E "user|sys"
+        done
+    done
+
 # The search for the missing effect on the practice records beside this repository.
 practice:
     cargo run --release -p analysis --example disc -- ../shared/practice/*/config.toml
