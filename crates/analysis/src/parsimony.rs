@@ -47,7 +47,8 @@ pub fn one_strength(
     }
     progress("one strength along the path, for comparison");
     let policy = Policy::default();
-    let how = How { catalogue, policy: policy.clone(), progress, cancelled };
+    let said = |line: &str| progress(&format!("one strength: {line}"));
+    let how = How { catalogue, policy: policy.clone(), progress: &said, cancelled };
     let (rungs, rows) = if many.forms.len() > case.effects.len() {
         let mut found = case.clone();
         found.effects.clone_from(&many.forms);

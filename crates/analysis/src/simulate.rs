@@ -79,7 +79,7 @@ impl Simulated {
     }
 }
 
-/// Runs every test of a case at the case's values.
+/// Runs every test of a case at the case's values. Effects at their neutral value change no bit of it.
 ///
 /// A run that cannot go on is no error: it holds everything up to there, and the reason.
 ///
@@ -90,7 +90,8 @@ pub fn simulate(
     catalogue: &Catalogue,
     control: &SimulateControl,
 ) -> Result<Simulated, AnalysisError> {
-    let model = Model::new(case.clone(), catalogue, Discretisation::default())?;
+    let how = Discretisation { idle_neutral: true, ..Discretisation::default() };
+    let model = Model::new(case.clone(), catalogue, how)?;
     let mut march = run_options(&case).march;
     march.ledger = true;
     march.keep_states = true;

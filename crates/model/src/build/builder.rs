@@ -25,7 +25,7 @@ pub(super) struct Builder {
 }
 
 impl Builder {
-    pub(super) fn new(case: &Case, catalogue: &Catalogue) -> Result<Self, BuildError> {
+    pub(super) fn new(case: &Case, catalogue: &Catalogue, idle_neutral: bool) -> Result<Self, BuildError> {
         let mut parameters = Vec::new();
         let law = hgo::Hgo {
             tension_only: case.bulk.tension_only,
@@ -84,12 +84,17 @@ impl Builder {
             sigma_c,
             has_path,
         };
-        builder.add_effects(case, catalogue)?;
+        builder.add_effects(case, catalogue, idle_neutral)?;
         Ok(builder)
     }
 
     /// Effects in the order of their rank, so that the file's order cannot matter.
-    fn add_effects(&mut self, case: &Case, catalogue: &Catalogue) -> Result<(), BuildError> {
+    fn add_effects(
+        &mut self,
+        case: &Case,
+        catalogue: &Catalogue,
+        idle_neutral: bool,
+    ) -> Result<(), BuildError> {
         let mut found = Vec::new();
         for config in &case.effects {
             let effect =
@@ -108,7 +113,10 @@ impl Builder {
                 ));
             }
             let params: Vec<usize> = (first..self.parameters.len()).collect();
+            let neutral = |p: &Parameter| p.spec.neutral.is_none_or(|n| n == p.value);
+            let idle = idle_neutral && self.parameters[first..].iter().all(neutral);
             match effect.act(&config.options, &self.piece) {
+                _ if idle => {}
                 Action::Bulk(wrap) => {
                     self.bulk = wrap(self.bulk.clone());
                     self.bulk_params.extend(&params);
@@ -119,7 +127,7 @@ impl Builder {
                 }
                 _ => {}
             }
-            self.active.push(Active { effect, params, options: config.options.clone() });
+            self.active.push(Active { effect, params, options: config.options.clone(), idle });
         }
         Ok(())
     }
@@ -154,7 +162,7 @@ impl Builder {
             mount: Vec::new(),
         };
         let (mut shapes, mut mounts, mut sensors) = (Vec::new(), Vec::new(), Vec::new());
-        for a in &self.active {
+        for a in self.active.iter().filter(|a| !a.idle) {
             match a.effect.act(&a.options, &self.piece) {
                 Action::Train(law) => template.train.push(Link { law, params: a.params.clone() }),
                 Action::TakeUp(law) => template.takeup.push(Link { law, params: a.params.clone() }),

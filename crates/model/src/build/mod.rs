@@ -46,6 +46,8 @@ pub(crate) struct Active {
     /// θ indices of its parameters.
     pub params: Vec<usize>,
     pub options: crate::effect::Options,
+    /// Takes no part: it is neutral, and the model was asked to be the base's to the bit.
+    pub idle: bool,
 }
 
 /// The model of a specimen: one parameter vector, one model per test.
@@ -69,11 +71,14 @@ pub struct Discretisation {
     /// Keep the half-height model although an effect breaks the mirror: exact to first order at
     /// the effect's neutral value (a clamp turned by θ against the other is ±θ/2 to the middle).
     pub neutral_halves: bool,
+    /// Effects at their neutral value take no part: the model is that without them to the last bit. Not for a
+    /// model whose derivatives by them are wanted.
+    pub idle_neutral: bool,
 }
 
 impl Default for Discretisation {
     fn default() -> Self {
-        Self { split: 1, coarsen: 1.0, neutral_halves: false }
+        Self { split: 1, coarsen: 1.0, neutral_halves: false, idle_neutral: false }
     }
 }
 
@@ -83,9 +88,9 @@ impl Model {
     /// # Errors
     /// [`BuildError`] naming the test.
     pub fn new(case: Arc<Case>, catalogue: &Catalogue, how: Discretisation) -> Result<Self, BuildError> {
-        let mut builder = Builder::new(&case, catalogue)?;
-        let half_height =
-            how.neutral_halves || builder.active.iter().all(|a| !a.effect.card().breaks_half_height);
+        let mut builder = Builder::new(&case, catalogue, how.idle_neutral)?;
+        let whole = |a: &Active| !a.idle && a.effect.card().breaks_half_height;
+        let half_height = how.neutral_halves || !builder.active.iter().any(whole);
         let tests = case
             .tests
             .iter()
