@@ -74,7 +74,9 @@ impl Step<'_> {
                 state.pressure.extend(system.pressures());
                 return Ok(Converged { iterations: iteration, border: near });
             }
-            let hopeless = at.imbalance >= 1e12 || at.imbalance.is_nan() || self.stagnates(&merits);
+            // Where only the train's loop is still open the forces stand at rounding.
+            let stuck = at.imbalance > self.options.tolerance && self.stagnates(&merits);
+            let hopeless = at.imbalance >= 1e12 || at.imbalance.is_nan() || stuck;
             if iteration == self.options.max_iterations || hopeless {
                 let reason =
                     format!("out-of-balance force {:.1e} after {iteration} iterations", at.imbalance);

@@ -33,11 +33,11 @@ pub struct Volume {
     mean: [Lane; 3],
     /// Current volume, mm³.
     current: f64,
-    /// Mean stress of the law times volume, N·mm.
+    /// Mean Cauchy stress of the law times volume, N·mm.
     pub pressure: f64,
-    /// What that has beyond the pressure used, N·mm.
+    /// What that has beyond the pressure that the tangent uses, N·mm.
     pub excess: f64,
-    /// Slope of (mean stress) × volume² against volume, over the volume, N·mm.
+    /// v² dp/dv with the mean Cauchy stress p and the volume v, N·mm.
     pub(super) stiffness: f64,
 }
 
