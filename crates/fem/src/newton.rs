@@ -137,7 +137,7 @@ impl Step<'_> {
             &mut state.history,
         )?;
         state.force = self.problem.multiplicity * system.grip_force;
-        let (closing, _) = self.loop_closing(system, state);
+        let (closing, _) = self.loop_closing(state);
         let length = self.length_scale(state);
         let arc = match self.control {
             Control::Actuator(_) => 0.0,
@@ -155,7 +155,7 @@ impl Step<'_> {
     }
 
     /// u_g + e(F) − s(u_a), and e'(F).
-    fn loop_closing(&self, _system: &System, state: &mut State) -> (f64, f64) {
+    fn loop_closing(&self, state: &mut State) -> (f64, f64) {
         let (e, slope) = train_elongation(
             self.problem,
             &self.local.train,
@@ -180,7 +180,7 @@ impl Step<'_> {
 
     /// Newton step of the scalars (grip, actuator).
     fn scalar_step(&self, system: &System, state: &mut State, b: &Border) -> (f64, f64) {
-        let (closing, slope) = self.loop_closing(system, state);
+        let (closing, slope) = self.loop_closing(state);
         // Linearised train: (1 + e' k) du_g + e' δF₀ + closing = s' du_a.
         let rhs = -(closing + slope * b.force_correction);
         let lhs = 1.0 + slope * b.stiffness;

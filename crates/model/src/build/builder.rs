@@ -113,8 +113,11 @@ impl Builder {
                 ));
             }
             let params: Vec<usize> = (first..self.parameters.len()).collect();
+            // The amplitude comes first and has a neutral value; what has none is void there.
+            let own = &self.parameters[first..];
             let neutral = |p: &Parameter| p.spec.neutral.is_none_or(|n| n == p.value);
-            let idle = idle_neutral && self.parameters[first..].iter().all(neutral);
+            let amplitude = own.first().is_some_and(|p| p.spec.neutral.is_some());
+            let idle = idle_neutral && amplitude && own.iter().all(neutral);
             match effect.act(&config.options, &self.piece) {
                 _ if idle => {}
                 Action::Bulk(wrap) => {
