@@ -359,12 +359,21 @@ impl<L: Ladder> Search<'_, L> {
         self.fit_all(&sets);
         for (name, set) in names.into_iter().zip(sets) {
             let Some(rung) = self.known.get(&key(&set)).cloned().flatten() else { continue };
-            let as_good = rung.bic <= last.bic + self.policy.tie_bic;
+            let as_good =
+                rung.bic <= last.bic + self.policy.tie_bic || self.fits_as_well(&rung, last, &without);
             if as_good && (rung.explained(self.policy) || !last.explained(self.policy)) {
                 group.push(name);
             }
         }
         group
+    }
+
+    /// Where noise explains the records without either effect, a rival's further parameters are no evidence
+    /// against it: it is told apart only by a fit that is worse.
+    fn fits_as_well(&self, rival: &Rung, last: &Rung, without: &Rung) -> bool {
+        without.explained(self.policy)
+            && without.chi2_total - rival.chi2_total >= self.policy.min_fall_explained
+            && rival.chi2_total <= last.chi2_total + self.policy.separate_chi2
     }
 }
 
