@@ -74,7 +74,8 @@ fn group(base: f64, plain: f64, rich: f64) -> Vec<Vec<String>> {
     let rungs = rungs.map(|r| (r.effects.join("+"), r)).into();
     let findings = vec![finding("plain", base - plain), finding("rich", base - rich)];
     let mut table = Table { rungs, findings };
-    let found = discover(&mut table, &Policy::default(), &mut |_| ()).expect("the base model is in the table");
+    let found =
+        discover(&mut table, &Policy::default(), &mut |_| ()).expect("the base model is in the table");
     assert_eq!(found.found, ["plain"]);
     found.groups
 }

@@ -14,16 +14,15 @@ pub struct NewtonOptions {
     pub tolerance: f64,
     /// Iterations before a step is given up.
     pub max_iterations: usize,
+    /// Out-of-balance force (as for `tolerance`) below which the tangent of an iterate stands for the converged one.
+    pub near: f64,
 }
 
 impl Default for NewtonOptions {
     fn default() -> Self {
-        Self { tolerance: 1e-9, max_iterations: 25 }
+        Self { tolerance: 1e-9, max_iterations: 25, near: 1e-6 }
     }
 }
-
-/// Out-of-balance force below which the tangent of an iterate stands for the converged one.
-const NEAR: f64 = 1e-6;
 
 /// A converged step.
 pub struct Converged {
@@ -31,6 +30,16 @@ pub struct Converged {
     pub iterations: usize,
     /// Response to the grip from the last factor, if that was made next to the converged state.
     pub border: Option<Border>,
+}
+
+impl Converged {
+    /// Response to the grip at the converged state.
+    ///
+    /// # Errors
+    /// [`FemError::Singular`].
+    pub fn border(&mut self, system: &mut System, multiplicity: f64) -> Result<Border, FemError> {
+        self.border.take().map_or_else(|| Border::of(system, multiplicity), Ok)
+    }
 }
 
 /// Everything a step needs that does not change during it.
@@ -55,7 +64,8 @@ pub struct Step<'a> {
 
 impl Step<'_> {
     /// Finds equilibrium from the guess in `state` (displacements, pressures, grip, actuator); on success
-    /// `state` is converged with its new history, and `system` holds residual and tangent there.
+    /// `state` is converged with its new history, and `system` holds the residual there, and the tangent there or
+    /// (where a border is returned) that of the iterate before.
     ///
     /// # Errors
     /// [`FemError`] with what the last iteration ran into, and the iterations used; `state` is then arbitrary.
@@ -69,7 +79,7 @@ impl Step<'_> {
         let mut near = None;
         let mut iteration = 0;
         loop {
-            if at.imbalance <= self.options.tolerance && at.loop_error <= 1e-12 {
+            if self.balanced(at) {
                 state.pressure.clear();
                 state.pressure.extend(system.pressures());
                 return Ok(Converged { iterations: iteration, border: near });
@@ -85,12 +95,16 @@ impl Step<'_> {
             let spent = |e| (e, iteration + 1);
             let border = Border::of(system, self.problem.multiplicity).map_err(spent)?;
             let step = self.scalar_step(system, state, &border);
-            let close = at.imbalance <= NEAR;
-            at = self.line_search(system, state, &border, step, &merits).map_err(spent)?;
+            let close = at.imbalance <= self.options.near;
+            at = self.line_search(system, state, &border, step, &merits, close).map_err(spent)?;
             near = close.then_some(border);
             merits.push(at.merit);
             iteration += 1;
         }
+    }
+
+    fn balanced(&self, at: Measure) -> bool {
+        at.imbalance <= self.options.tolerance && at.loop_error <= 1e-12
     }
 
     /// Evaluates the guess, with the guessed pressures where they leave the smaller residual: displacements that
@@ -127,15 +141,20 @@ impl Step<'_> {
         state: &mut State,
         pressures: Pressures<'_>,
     ) -> Result<Measure, FemError> {
-        system.assemble(
-            self.problem,
-            self.local,
-            &self.ctx,
-            &state.u,
-            pressures,
-            &self.old.history,
-            &mut state.history,
-        )?;
+        let (old, new) = (&self.old.history, &mut state.history);
+        system.assemble(self.problem, self.local, &self.ctx, &state.u, pressures, old, new)?;
+        Ok(self.measure(system, state))
+    }
+
+    /// The same without a tangent: whether a step from a near iterate has arrived.
+    fn arrives(&self, system: &mut System, state: &mut State) -> Result<Option<Measure>, FemError> {
+        let (old, new) = (&self.old.history, &mut state.history);
+        system.forces(self.problem, self.local, &self.ctx, &state.u, old, new)?;
+        let at = self.measure(system, state);
+        Ok(self.balanced(at).then_some(at))
+    }
+
+    fn measure(&self, system: &System, state: &mut State) -> Measure {
         state.force = self.problem.multiplicity * system.grip_force;
         let (closing, _) = self.loop_closing(state);
         let length = self.length_scale(state);
@@ -147,7 +166,7 @@ impl Step<'_> {
         let rounding = 10.0 * f64::EPSILON * system.stiffness_scale / self.options.tolerance;
         let floor = self.force_floor.max(1e-10 * system.stiffness_scale * length).max(rounding);
         let [imbalance, merit] = system.imbalance().map(|r| r / system.force_scale.max(floor));
-        Ok(Measure { imbalance, merit, loop_error: (closing.abs() / length).max(arc * 1e-4) })
+        Measure { imbalance, merit, loop_error: (closing.abs() / length).max(arc * 1e-4) }
     }
 
     fn length_scale(&self, state: &State) -> f64 {
@@ -204,6 +223,9 @@ impl Step<'_> {
     /// only piecewise smooth: there full steps may cycle, and the shorter one that lowers the
     /// residual is taken. Early on a growing residual is no fault: the load has just changed; and later a step
     /// need not be better than each of the last ones, or kinks would be crept along.
+    ///
+    /// From a `close` iterate the full step is expected to arrive, and no tangent is made there.
+    #[allow(clippy::too_many_arguments)]
     fn line_search(
         &self,
         system: &mut System,
@@ -211,6 +233,7 @@ impl Step<'_> {
         b: &Border,
         (du_g, du_a): (f64, f64),
         merits: &[f64],
+        close: bool,
     ) -> Result<Measure, FemError> {
         let start = (state.u.clone(), state.grip, state.actuator);
         system.leave();
@@ -222,6 +245,12 @@ impl Step<'_> {
             }
             impose(self.problem, state.grip, &mut state.u);
         };
+        if close {
+            place(state, 1.0);
+            if let Ok(Some(at)) = self.arrives(system, state) {
+                return Ok(at);
+            }
+        }
         let allowed = match merits {
             [] | [_] | [_, _] | [_, _, _] => {
                 (10.0 * merits.iter().copied().fold(f64::INFINITY, f64::min)).max(1e-6)

@@ -55,8 +55,7 @@ impl Walk {
         let kept = std::mem::replace(&mut m.options.newton, relaxed);
         let solved = m.newton(ctx, Control::Actuator(at), &mut here);
         m.options.newton = kept;
-        solved?;
-        let border = Border::of(m.system, m.problem.multiplicity)?;
+        let border = solved?.border(m.system, m.problem.multiplicity)?;
         let mut t = tangent(m, &border, &here);
         if t[0] * direction < 0.0 {
             t = [-t[0], -t[1]];
@@ -80,8 +79,8 @@ impl Walk {
                 fresh.actuator += r * (fresh.actuator - actuator);
             }
             let dt = self.length / self.rate;
-            let attempt = m.newton(m.context(dt), control, &mut fresh).and_then(|c| {
-                let border = Border::of(m.system, m.problem.multiplicity)?;
+            let attempt = m.newton(m.context(dt), control, &mut fresh).and_then(|mut c| {
+                let border = c.border(m.system, m.problem.multiplicity)?;
                 let next = tangent(m, &border, &fresh);
                 let along = next[0] * self.tangent[0] + next[1] * self.tangent[1];
                 // A turn of more than about 45° in one step would skip a branch.
@@ -143,8 +142,8 @@ pub(crate) fn follow(m: &mut March, to: f64, dt: f64, target: usize) -> Result<(
         if walk.tangent[0] * direction * walk.length >= ahead && walk.tangent[0] * direction > 0.0 {
             let mut fresh = m.state.clone();
             let dt = ahead.abs() / rate;
-            if let Ok(c) = m.newton(m.context(dt), Control::Actuator(to), &mut fresh) {
-                let border = Border::of(m.system, m.problem.multiplicity)?;
+            if let Ok(mut c) = m.newton(m.context(dt), Control::Actuator(to), &mut fresh) {
+                let border = c.border(m.system, m.problem.multiplicity)?;
                 let time = m.state.time + dt;
                 return fresh_commit(m, fresh, time, dt, Some(target), c.iterations, None, &border);
             }
@@ -182,8 +181,8 @@ pub(crate) fn jump(m: &mut March, to: f64, length: f64, dt: f64) -> Result<(), F
         let ahead = (farthest - u0) * direction;
         if turned && forward > 0.0 && forward * walk.length >= ahead {
             let mut fresh = m.state.clone();
-            let stands = m.newton(m.context(0.0), Control::Actuator(farthest), &mut fresh).is_ok()
-                && Border::of(m.system, m.problem.multiplicity).is_ok()
+            let solved = m.newton(m.context(0.0), Control::Actuator(farthest), &mut fresh);
+            let stands = solved.and_then(|mut c| c.border(m.system, m.problem.multiplicity)).is_ok()
                 && m.system.factor.negative_pivots() == 0;
             if stands {
                 return land(m, before, farthest, first, kept_recent, released);
@@ -240,8 +239,8 @@ fn land(
     mut released: f64,
 ) -> Result<(), FemError> {
     let mut fresh = m.state.clone();
-    let c = m.newton(m.context(0.0), Control::Actuator(limit), &mut fresh)?;
-    let border = Border::of(m.system, m.problem.multiplicity)?;
+    let mut c = m.newton(m.context(0.0), Control::Actuator(limit), &mut fresh)?;
+    let border = c.border(m.system, m.problem.multiplicity)?;
     released += 0.5 * (m.state.force + fresh.force) * (m.state.actuator - fresh.actuator);
     fresh_commit(m, fresh, before.time, 0.0, None, c.iterations, None, &border)?;
     // Between the limit point and the new branch nothing is an answer of the rig.

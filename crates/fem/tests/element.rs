@@ -52,11 +52,15 @@ fn brick_tangent_is_the_derivative_of_the_residual() {
                 &mut hand,
             )
             .unwrap();
+            let mut alone = hand.clone();
+            alone.residual = [f64::NAN; 24];
+            hex8::forces(0, law, &CTX, &params, &geo, &u, &[], &mut [], &mut alone).unwrap();
             let (r, k) = jet_tangent(law, &params, &x, &u);
             let scale = k.iter().flatten().fold(0.0f64, |m, v| m.max(v.abs()));
             let force = r.iter().fold(0.0f64, |m, v| m.max(v.abs()));
             for i in 0..24 {
                 assert!((hand.residual[i] - r[i]).abs() < 1e-12 * force, "residual {i}");
+                assert!((alone.residual[i] - r[i]).abs() < 1e-12 * force, "residual {i} without a tangent");
                 for j in 0..24 {
                     asymmetry = asymmetry.max((k[i][j] - k[j][i]).abs() / scale);
                     let packed = hand.entry(i, j);

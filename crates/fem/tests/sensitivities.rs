@@ -22,7 +22,10 @@ use std::sync::Arc;
 const AREAS: usize = 2;
 
 fn options() -> MarchOptions {
-    MarchOptions { newton: NewtonOptions { tolerance: 1e-12, max_iterations: 25 }, ..MarchOptions::default() }
+    MarchOptions {
+        newton: NewtonOptions { tolerance: 1e-12, ..NewtonOptions::default() },
+        ..MarchOptions::default()
+    }
 }
 
 /// Load, unload, reload beyond: through the peak of σc = 0.1 and well down.

@@ -38,45 +38,48 @@ pub fn inverse_transposed(f: &[f64; 9]) -> [f64; 9] {
     std::array::from_fn(|k| inverse[3 * (k % 3) + k / 3])
 }
 
-/// Stress and tangent of m F Dev K for a constant symmetric K, m = J^(−2/3): the gradient and the
-/// second gradient of ½ m K : C.
-pub fn constant_stress(f: &[f64; 9], m: f64, c: &Sym<f64>, k: &Sym<f64>) -> Tangent<9> {
-    let (b, g, q) = (pushed(f, k), inverse_transposed(f), dot(k, c));
-    let full = [k[0], k[3], k[5], k[3], k[1], k[4], k[5], k[4], k[2]];
-    let stress = std::array::from_fn(|i| m * (b[i] - q / 3.0 * g[i]));
-    let mut a = [[0.0; 9]; 9];
-    for (r, row) in a.iter_mut().enumerate() {
-        let (i, j) = (r / 3, r % 3);
-        for (s, x) in row.iter_mut().enumerate() {
-            let (n, l) = (s / 3, s % 3);
-            let same = if i == n { full[3 * j + l] } else { 0.0 };
-            *x = m
-                * (same - 2.0 / 3.0 * (b[r] * g[s] + g[r] * b[s])
-                    + q * (2.0 / 9.0 * g[r] * g[s] + g[3 * i + l] * g[3 * n + j] / 3.0));
-        }
-    }
-    (stress, a)
+/// F⁻ᵀ as a matrix by components, g_iL g_kJ at (r = iJ, kL): what F⁻ᵀ varies by, with the other sign.
+fn crossed(g: &[f64; 9], r: usize) -> [f64; 9] {
+    let (i, j) = (3 * (r / 3), r % 3);
+    std::array::from_fn(|s| g[i + s % 3] * g[3 * (s / 3) + j])
 }
 
-/// Stress and tangent of F Dev S = P − ⅓ (P : F) F⁻ᵀ for P = F S with its tangent.
-pub fn deviatoric(f: &[f64; 9], x: &Tangent<9>) -> Tangent<9> {
+/// to += stress and tangent of m F Dev K for a constant symmetric K, m = J^(−2/3): the gradient and the
+/// second gradient of ½ m K : C. `g` is F⁻ᵀ.
+pub fn add_constant(to: &mut Tangent<9>, f: &[f64; 9], g: &[f64; 9], m: f64, c: &Sym<f64>, k: &Sym<f64>) {
+    let (b, q) = (pushed(f, k), dot(k, c));
+    let full = [k[0], k[3], k[5], k[3], k[1], k[4], k[5], k[4], k[2]].map(|x| m * x);
+    let (third, squares) = (m * q / 3.0, 2.0 / 9.0 * m * q);
+    for (r, row) in to.1.iter_mut().enumerate() {
+        to.0[r] += m * b[r] - third * g[r];
+        let (of_g, of_b) = (squares * g[r] - 2.0 / 3.0 * m * b[r], -2.0 / 3.0 * m * g[r]);
+        let cross = crossed(g, r);
+        for s in 0..9 {
+            row[s] += of_g * g[s] + of_b * b[s] + third * cross[s];
+        }
+        let (i, j) = (3 * (r / 3), 3 * (r % 3));
+        for l in 0..3 {
+            row[i + l] += full[j + l];
+        }
+    }
+}
+
+/// to += factor · stress and tangent of F Dev S = P − ⅓ (P : F) F⁻ᵀ for P = F S with its tangent `x`. A part of
+/// P that comes of the volume alone drops out. `g` is F⁻ᵀ.
+pub fn add_deviatoric(to: &mut Tangent<9>, factor: f64, f: &[f64; 9], g: &[f64; 9], x: &Tangent<9>) {
     let (p, a) = x;
-    let g = inverse_transposed(f);
-    let trace: f64 = p.iter().zip(f).map(|(p, f)| p * f).sum();
     let mut slope = *p;
     for (row, f) in a.iter().zip(f) {
-        for (s, a) in slope.iter_mut().zip(row) {
-            *s += f * a;
+        for s in 0..9 {
+            slope[s] += f * row[s];
         }
     }
-    let mut out = *x;
-    for (r, (stress, row)) in out.0.iter_mut().zip(&mut out.1).enumerate() {
-        let (i, j) = (r / 3, r % 3);
-        *stress -= trace / 3.0 * g[r];
-        for (s, x) in row.iter_mut().enumerate() {
-            let (n, l) = (s / 3, s % 3);
-            *x -= (g[r] * slope[s] - trace * g[3 * i + l] * g[3 * n + j]) / 3.0;
+    let third = factor / 3.0 * p.iter().zip(f).map(|(p, f)| p * f).sum::<f64>();
+    for (r, row) in to.1.iter_mut().enumerate() {
+        to.0[r] += factor * p[r] - third * g[r];
+        let (of_slope, cross) = (factor / 3.0 * g[r], crossed(g, r));
+        for s in 0..9 {
+            row[s] += factor * a[r][s] - of_slope * slope[s] + third * cross[s];
         }
     }
-    out
 }

@@ -16,6 +16,7 @@ pub struct Frame<S> {
 }
 
 impl<S: Scalar> Frame<S> {
+    #[inline(always)]
     pub fn new(f: &[S; 9]) -> Self {
         let f_inverse = tensor::inverse(f);
         let root = tensor::det(f).cbrt();
@@ -29,28 +30,33 @@ impl<S: Scalar> Frame<S> {
     }
 
     /// Second Piola stress F⁻¹P of a first Piola stress that derives from an energy of C.
+    #[inline(always)]
     pub fn second_piola(&self, p: &[S; 9]) -> Sym<S> {
         let f = &self.f_inverse;
         components(|a, b| f[3 * a] * p[b] + f[3 * a + 1] * p[3 + b] + f[3 * a + 2] * p[6 + b])
     }
 
     /// Deviator with respect to C: A − (A : C)/3 C⁻¹. What is left does no work on a change of volume.
+    #[inline(always)]
     pub fn deviator(&self, a: &Sym<S>) -> Sym<S> {
         let mean = dot(a, &self.c) / 3.0;
         std::array::from_fn(|i| a[i] - self.c_inverse[i] * mean)
     }
 }
 
+#[inline(always)]
 fn components<S>(at: impl Fn(usize, usize) -> S) -> Sym<S> {
     [at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(1, 2), at(0, 2)]
 }
 
 /// A : B.
+#[inline(always)]
 pub fn dot<S: Scalar>(a: &Sym<S>, b: &Sym<S>) -> S {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + (a[3] * b[3] + a[4] * b[4] + a[5] * b[5]) * 2.0
 }
 
 /// F A: the first Piola stress of a second one.
+#[inline(always)]
 pub fn pushed<S: Scalar>(f: &[S; 9], a: &Sym<S>) -> [S; 9] {
     let full = [a[0], a[3], a[5], a[3], a[1], a[4], a[5], a[4], a[2]];
     tensor::mul(f, &full)

@@ -1,7 +1,7 @@
 //! Stress that relaxes: Maxwell branches on the isochoric stress, or on the fibres alone.
 
 use super::base::base_law;
-use super::by_hand::{add, constant_stress, deviatoric, isochoric_tangent};
+use super::by_hand::{add, add_constant, add_deviatoric, inverse_transposed};
 use super::isochoric;
 use super::symmetric::{Frame, Sym, dot, pushed};
 use crate::decorator::{Call, Decoration, Tangent, decorate};
@@ -154,6 +154,7 @@ struct Maxwell {
     fibres: Option<Hgo>,
 }
 
+#[inline(always)]
 fn read<S: Scalar>(history: &[S], block: usize) -> Sym<S> {
     std::array::from_fn(|i| history[6 * block + i])
 }
@@ -190,33 +191,49 @@ impl Maxwell {
 
 impl Maxwell {
     /// The stress that the branches follow: Dev of what the inner law would give without it (the
-    /// fictitious stress), or the fibres' fictitious stress as it is.
-    fn driving_stress<S: Scalar>(
-        &self,
-        call: &Call<'_, S, 9>,
-        frame: &Frame<S>,
-        inner: &Response<S, 9>,
-    ) -> Sym<S> {
+    /// fictitious stress; what comes of the volume alone has no deviator), or the fibres' fictitious stress as
+    /// it is.
+    #[inline(always)]
+    fn driving_stress<S: Scalar>(&self, call: &Call<'_, S, 9>, frame: &Frame<S>, inner: &[S; 9]) -> Sym<S> {
         if let Some(law) = &self.fibres {
             let [a, b]: [Sym<S>; FAMILIES] =
                 std::array::from_fn(|k| hgo::fibre_fictitious_stress(law, call.gradient, call.base, k));
             return std::array::from_fn(|i| a[i] + b[i]);
         }
-        let iso = isochoric(call.gradient, call.base, inner);
         let per_m = frame.m.recip();
-        frame.deviator(&frame.second_piola(&iso.force)).map(|x| x * per_m)
+        frame.deviator(&frame.second_piola(inner)).map(|x| x * per_m)
     }
 
-    /// How the stress of the branches follows the driving stress of this instant, per unit of share.
-    fn driven_tangent(&self, call: &Call<'_, f64, 9>, inner: &Tangent<9>) -> Tangent<9> {
-        match &self.fibres {
-            Some(law) => {
-                let mut sum = hgo::fibre_tangent(law, call.gradient, call.base, 0);
-                add(&mut sum, 1.0, &hgo::fibre_tangent(law, call.gradient, call.base, 1));
-                sum
+    /// Goes a step: the new history, and ΣH after it. `inner` is the first Piola stress without the branches.
+    #[inline(always)]
+    fn relax<S: Scalar>(
+        &self,
+        call: &Call<'_, S, 9>,
+        frame: &Frame<S>,
+        inner: &[S; 9],
+        new: &mut [S],
+    ) -> Sym<S> {
+        let s = self.driving_stress(call, frame, inner);
+        let c = frame.c.map(|x| x * frame.m);
+        let (s_old, c_old) = (read(call.old, self.stress_block()), read(call.old, self.shape_block()));
+        let (mut sum, mut work) = ([S::zero(); 6], S::zero());
+        for b in 0..self.branches {
+            let (g, x) = (call.own[2 * b], S::from(call.ctx.dt) / call.own[2 * b + 1]);
+            let (left, kept) = (decay(x), mean_decay(x));
+            let (taken, rise) = (g * kept, g * mean_rise(x));
+            let mut mean = [S::zero(); 6];
+            for i in 0..6 {
+                let (h, change) = (call.old[6 * b + i], s[i] - s_old[i]);
+                new[6 * b + i] = h * left + change * taken;
+                sum[i] += new[6 * b + i];
+                mean[i] = (h * kept + change * rise) * (c[i] - c_old[i]);
             }
-            None => deviatoric(call.gradient, &isochoric_tangent(call.gradient, call.base, inner)),
+            work += (mean[0] + mean[1] + mean[2]) * 0.5 + mean[3] + mean[4] + mean[5];
         }
+        new[6 * self.stress_block()..][..6].copy_from_slice(&s);
+        new[6 * self.shape_block()..][..6].copy_from_slice(&c);
+        new[self.work()] = call.old[self.work()] + work;
+        sum
     }
 }
 
@@ -257,26 +274,7 @@ impl Decoration<9> for Maxwell {
     {
         let mut r = call.inner(inner_new);
         let frame = Frame::new(call.gradient);
-        let s = self.driving_stress(call, &frame, &r);
-        let c = frame.c.map(|x| x * frame.m);
-        let (s_old, c_old) = (read(call.old, self.stress_block()), read(call.old, self.shape_block()));
-        let (mut sum, mut work) = ([S::zero(); 6], S::zero());
-        for b in 0..self.branches {
-            let (g, x) = (call.own[2 * b], S::from(call.ctx.dt) / call.own[2 * b + 1]);
-            let (left, taken, rise) = (decay(x), g * mean_decay(x), g * mean_rise(x));
-            let kept = mean_decay(x);
-            let mut mean = [S::zero(); 6];
-            for i in 0..6 {
-                let (h, change) = (call.old[6 * b + i], s[i] - s_old[i]);
-                new[6 * b + i] = h * left + change * taken;
-                sum[i] += new[6 * b + i];
-                mean[i] = (h * kept + change * rise) * (c[i] - c_old[i]);
-            }
-            work += (mean[0] + mean[1] + mean[2]) * 0.5 + mean[3] + mean[4] + mean[5];
-        }
-        new[6 * self.stress_block()..][..6].copy_from_slice(&s);
-        new[6 * self.shape_block()..][..6].copy_from_slice(&c);
-        new[self.work()] = call.old[self.work()] + work;
+        let sum = self.relax(call, &frame, &r.force, new);
         add_scaled(&mut r.force, frame.m, &pushed(call.gradient, &frame.deviator(&sum)));
         r
     }
@@ -289,9 +287,9 @@ impl Decoration<9> for Maxwell {
         inner_new: &mut [f64],
         new: &mut [f64],
     ) -> Option<Tangent<9>> {
-        let mut sum = call.inner_tangent(call.gradient, call.base, inner_new)?;
-        let driven = self.driven_tangent(call, &sum);
-        self.respond(call, inner_new, new);
+        let inner = call.inner_tangent(call.gradient, call.base, inner_new)?;
+        let (frame, g) = (Frame::new(call.gradient), inverse_transposed(call.gradient));
+        self.relax(call, &frame, &inner.0, new);
         let s_old = read(call.old, self.stress_block());
         let (mut constant, mut share) = ([0.0; 6], 0.0);
         for b in 0..self.branches {
@@ -302,9 +300,16 @@ impl Decoration<9> for Maxwell {
                 constant[i] += call.old[6 * b + i] * left - taken * s_old[i];
             }
         }
-        let frame = Frame::new(call.gradient);
-        add(&mut sum, 1.0, &constant_stress(call.gradient, frame.m, &frame.c, &constant));
-        add(&mut sum, share, &driven);
+        let mut sum = inner;
+        add_constant(&mut sum, call.gradient, &g, frame.m, &frame.c, &constant);
+        match &self.fibres {
+            Some(law) => {
+                for k in 0..FAMILIES {
+                    add(&mut sum, share, &hgo::fibre_tangent(law, call.gradient, call.base, k));
+                }
+            }
+            None => add_deviatoric(&mut sum, share, call.gradient, &g, &inner),
+        }
         Some(sum)
     }
 

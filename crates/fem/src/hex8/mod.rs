@@ -6,9 +6,12 @@
 //! symmetric whenever the law's is. For a split energy this is the three-field element with
 //! constant pressure and dilatation.
 
+mod deformation;
+mod forces;
 mod tangent;
 mod volume;
 
+pub use forces::forces;
 pub use tangent::{Scratch, Tangent, tangent};
 pub use volume::{Pressure, Volume};
 

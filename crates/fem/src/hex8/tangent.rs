@@ -17,18 +17,12 @@
 //!
 //! Everything is laid out in lanes over the eight nodes.
 
+use super::deformation::{Deformation, Lane, Matrix, NO_LANES, combine, deform, lanes_of};
 use super::volume::{Pressure, Volume};
-use super::{Geometry, POINTS};
+use super::{DOFS, Geometry, POINTS};
 use crate::error::ElementFault;
 use constitutive::{Context, Describe, PointLaw, tangent_by_jets_9, tensor};
 use wide::{f64x4, f64x8};
-
-/// Unknowns of the brick.
-const DOFS: usize = super::DOFS;
-
-/// One number per node.
-pub(super) type Lane = f64x8;
-type Matrix = [f64; 9];
 
 /// Result buffers of [`tangent`].
 #[derive(Clone, Debug)]
@@ -69,15 +63,6 @@ impl Tangent {
     }
 }
 
-const ZERO: Lane = Lane::ZERO;
-
-/// Sum of three lanes.
-#[inline(always)]
-fn combine(m: [f64; 3], x: &[Lane; 3]) -> Lane {
-    let m = m.map(Lane::splat);
-    m[2].mul_add(x[2], m[1].mul_add(x[1], m[0] * x[0]))
-}
-
 /// What one point needs in the sum over the node pairs.
 #[derive(Clone, Copy)]
 struct Point {
@@ -91,58 +76,7 @@ struct Point {
     c: [[Lane; 9]; 3],
 }
 
-pub(super) const NO_LANES: [Lane; 3] = [ZERO; 3];
-const NO_POINT: Point = Point { g: NO_LANES, h: NO_LANES, alpha: NO_LANES, c: [[ZERO; 9]; 3] };
-
-/// Deformation at the points.
-struct Deformation {
-    /// F, then F̄.
-    f: [Matrix; POINTS],
-    /// ∂N/∂x, by direction.
-    spatial: [[Lane; 3]; POINTS],
-    /// w J.
-    current: [f64; POINTS],
-    j: [f64; POINTS],
-    volume: f64,
-    /// Volume average of the spatial gradients.
-    mean: [Lane; 3],
-}
-
-#[inline(always)]
-fn deform(geo: &Geometry<f64>, u: &[Lane; 3]) -> Deformation {
-    let mut d = Deformation {
-        f: [tensor::identity(); POINTS],
-        spatial: [NO_LANES; POINTS],
-        current: [0.0; POINTS],
-        j: [0.0; POINTS],
-        volume: 0.0,
-        mean: NO_LANES,
-    };
-    for q in 0..POINTS {
-        let (f, g) = (&mut d.f[q], &geo.gradients[q].map(Lane::from));
-        for i in 0..3 {
-            for j in 0..3 {
-                f[3 * i + j] += (u[i] * g[j]).reduce_add();
-            }
-        }
-        let cof = tensor::cofactor(f);
-        let det = f[0] * cof[0] + f[1] * cof[1] + f[2] * cof[2];
-        let r = 1.0 / det;
-        for i in 0..3 {
-            d.spatial[q][i] = combine([cof[3 * i] * r, cof[3 * i + 1] * r, cof[3 * i + 2] * r], g);
-        }
-        d.j[q] = det;
-        d.current[q] = geo.volumes[q] * det;
-        d.volume += d.current[q];
-    }
-    for q in 0..POINTS {
-        let share = d.current[q] / d.volume;
-        for i in 0..3 {
-            d.mean[i] = d.spatial[q][i].mul_add(Lane::splat(share), d.mean[i]);
-        }
-    }
-    d
-}
+const NO_POINT: Point = Point { g: NO_LANES, h: NO_LANES, alpha: NO_LANES, c: [[Lane::ZERO; 9]; 3] };
 
 /// Stress and modulus of the law at a point.
 #[derive(Clone, Copy)]
@@ -172,22 +106,14 @@ pub fn tangent(
     scratch: &mut Scratch,
     out: &mut Tangent,
 ) -> Result<(), ElementFault> {
-    let lanes: [Lane; 3] = std::array::from_fn(|i| Lane::new(std::array::from_fn(|a| u[a][i])));
-    let mut d = deform(geo, &lanes);
-    let least = d.j.iter().copied().fold(f64::INFINITY, f64::min);
-    if least <= 0.0 || d.volume.is_nan() {
-        return Err(ElementFault::Inverted { element, jacobian: least });
-    }
+    let lanes = lanes_of(u);
+    let mut d = deform(element, geo, &lanes)?;
     let j_bar = d.volume / geo.volumes.iter().sum::<f64>();
     let nh = old.len() / POINTS;
     let (Scratch { answers, points }, Tangent { residual: forces, rows, volume }) = (scratch, out);
     let (mut pressure, mut scales) = (0.0, [0.0; POINTS]);
     for q in 0..POINTS {
-        let scale = constitutive::Scalar::cbrt(j_bar / d.j[q]);
-        scales[q] = scale;
-        for c in &mut d.f[q] {
-            *c *= scale;
-        }
+        scales[q] = d.dilate(q, j_bar);
         let (f, answer, h) = (&d.f[q], &mut answers[q], q * nh..(q + 1) * nh);
         (answer.p, answer.a) =
             match Describe::hand_tangent(law, ctx, f, params, &old[h.clone()], &mut new[h.clone()]) {
@@ -197,10 +123,7 @@ pub fn tangent(
         answer.mean_stress = answer.p.iter().zip(f).map(|(p, f)| p * f).sum::<f64>() / 3.0;
         pressure += geo.volumes[q] * answer.mean_stress;
     }
-    if !pressure.is_finite() {
-        let stretch = d.f.iter().map(super::largest_stretch).fold(0.0, f64::max);
-        return Err(ElementFault::Overflow { element, stretch });
-    }
+    d.finite(element, pressure)?;
     *volume = Volume::at(lanes, d.mean, d.volume, pressure, pressure_of);
     let linearised = pressure - volume.excess;
     let (mut residual, mut stiffness) = (NO_LANES, 0.0);
@@ -210,12 +133,7 @@ pub fn tangent(
         stiffness += w * prepare(&d, q, w, &mut answers[q], linearised, &mut points[q], &mut residual);
     }
     volume.stiffness = stiffness - pressure;
-    for i in 0..3 {
-        residual[i] = d.mean[i].mul_add(Lane::splat(pressure), residual[i]);
-        for (a, r) in residual[i].as_array().iter().enumerate() {
-            forces[3 * a + i] = *r;
-        }
-    }
+    d.close(pressure, &mut residual, forces);
     for a in 0..4 {
         rows_of_low_node(points, &d.mean, pressure, a, rows);
     }
@@ -247,13 +165,12 @@ fn prepare(
     }
     let s: f64 = m.iter().zip(f).map(|(m, f)| m * f).sum();
     let (third, half_s) = (Lane::splat(1.0 / 3.0), Lane::splat(0.5 * w * s));
-    let hydrostatic = Lane::splat(-w * answer.mean_stress);
     let row = |x: &Matrix, i: usize| [w * x[3 * i], w * x[3 * i + 1], w * x[3 * i + 2]];
     for i in 0..3 {
         point.alpha[i] = (d.mean[i] - d.spatial[q][i]) * third;
         point.h[i] = half_s.mul_add(point.alpha[i], combine(row(&m, i), &point.g));
-        residual[i] += hydrostatic.mul_add(d.spatial[q][i], combine(row(p, i), &point.g));
     }
+    d.add_forces(q, w, p, answer.mean_stress, &point.g, residual);
     fold_in(a, w, d.current[q] / d.volume * pressure, answer.mean_stress, &inverse_transposed(f));
     for i in 0..3 {
         for kl in 0..9 {

@@ -7,7 +7,7 @@
 //! 2017, 986, there for slender bodies and the whole stress).
 //! At convergence both pressures are one, and so are the equilibria found.
 
-use super::tangent::{Lane, NO_LANES};
+use super::deformation::{Lane, NO_LANES};
 
 /// Where the pressure of the tangent's geometric part comes from.
 #[derive(Clone, Copy, Debug)]

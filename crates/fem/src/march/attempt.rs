@@ -8,6 +8,10 @@ use crate::problem::Prescribed;
 use crate::state::{Guess, State};
 use constitutive::Context;
 
+/// Out-of-balance force at which a tangent gives the slope for the next guess and the check of a step, where no
+/// derivative and no energy hangs on it.
+const ROUGHLY: f64 = 1e-3;
+
 impl March<'_> {
     /// One Newton solution at a standing actuator, with the checks that a step must pass.
     pub(super) fn attempt(
@@ -27,7 +31,7 @@ impl March<'_> {
         let moved = fresh.u != self.state.u;
         let ctx = Context { time: self.state.time + clock * dt, ..self.context(dt) };
         let solved = self.newton(ctx, Control::Actuator(actuator), &mut fresh);
-        let converged = match solved {
+        let mut converged = match solved {
             Ok(c) => c,
             // A bad guess is no reason to cut the step: once more from the last state.
             Err(_) if moved || guessed => {
@@ -36,10 +40,7 @@ impl March<'_> {
             }
             Err(e) => return Err(e),
         };
-        let border = match converged.border {
-            Some(b) => b,
-            None => Border::of(self.system, self.problem.multiplicity)?,
-        };
+        let border = converged.border(self.system, self.problem.multiplicity)?;
         self.check(&fresh, &border)?;
         Ok((border, converged.iterations, fresh))
     }
@@ -115,8 +116,11 @@ impl March<'_> {
         // Leaving the load-free state every fibre decides whether it is taut: an active-set search
         // that smaller steps do not shorten. Nor do they where a few cuts did not help.
         let patience = if self.run.steps.len() < 2 || self.stubborn { 4 } else { 1 };
+        let standing = matches!(control, Control::Actuator(_));
+        let rough = standing && self.columns.is_empty() && !self.options.ledger;
         let newton = NewtonOptions {
             max_iterations: patience * self.options.newton.max_iterations,
+            near: if rough { ROUGHLY } else { self.options.newton.near },
             ..self.options.newton
         };
         let step = Step {

@@ -20,6 +20,8 @@ pub struct Chunk<const W: usize> {
     in_bulk: bool,
     pub(super) in_shape: bool,
     pub(super) force_partial: [f64; W],
+    /// Whether no bulk history depends on the seeds so far.
+    constant: bool,
     /// Bulk history after the partial sweep, kept when no total sweep is needed.
     pending: Vec<Jet<W>>,
     direct_history: bool,
@@ -51,6 +53,7 @@ impl<const W: usize> Chunk<W> {
             in_shape: seeds.iter().any(|&s| moves(s)),
             seeds: seeds.iter().take(W).copied().collect(),
             force_partial: [0.0; W],
+            constant: true,
             pending: Vec::new(),
             direct_history: false,
             moved: false,
@@ -73,7 +76,22 @@ impl<const W: usize> Chunk<W> {
     pub fn carry_bulk_from(&mut self, other: &Self) {
         if self.bulk.len() == other.bulk.len() {
             self.bulk.clone_from(&other.bulk);
+            self.constant = other.constant;
         }
+    }
+
+    /// Whether the seeds reach the bulk neither directly nor through what it remembers.
+    const fn passes_by(&self) -> bool {
+        !self.in_shape && !self.in_bulk && self.constant
+    }
+
+    /// The bulk history after a step that passes by it and moves nothing: that of the state, where that is of the
+    /// same law.
+    fn undisturbed(&self, stage: &Stage, u: &[Jet<W>]) -> Option<Vec<Jet<W>>> {
+        let plain = &stage.state.history.bulk;
+        let still = self.passes_by() && plain.len() == self.bulk.len();
+        (still && u.iter().all(|x| x.eps == [0.0; W]))
+            .then(|| plain.iter().map(|&x| Jet::constant(x)).collect())
     }
 }
 
@@ -111,7 +129,7 @@ where
         };
         let mut force = [0.0; W];
         self.pending.clear();
-        if self.in_shape || self.in_bulk || !self.bulk.is_empty() {
+        if !self.passes_by() || self.direct_history && !self.bulk.is_empty() {
             let (forces, history) = if self.in_shape {
                 self.bricks_total(stage, &self.mount_jets(&stage.state.u))
             } else {
@@ -148,7 +166,11 @@ where
             self.path = new;
         }
         if !self.bulk.is_empty() {
-            let new = if self.direct_history {
+            let undisturbed = self.undisturbed(stage, &u);
+            self.constant = undisturbed.is_some();
+            let new = if let Some(plain) = undisturbed {
+                plain
+            } else if self.direct_history {
                 std::mem::take(&mut self.pending)
             } else if self.in_shape {
                 self.bricks_total(stage, &u).1

@@ -1,17 +1,12 @@
-//! Assembly: element residuals and tangents into the sparse lower triangle.
-//!
-//! Elements are evaluated in parallel, each into its own buffer, and scattered one after the other
-//! through a precomputed map: the same bits on any number of threads.
+//! The equations of one problem: numbering, pattern, buffers and factor. What goes into them is in `assembly`.
 
-use crate::error::{ElementFault, FemError};
+use crate::error::FemError;
 use crate::factor::Factor;
 use crate::hex8;
-use crate::interface;
-use crate::problem::{LocalParams, Problem};
-use crate::state::{History, gather4, gather8};
-use constitutive::Context;
+use crate::problem::Problem;
 use rayon::prelude::*;
 
+mod assembly;
 mod pattern;
 
 use pattern::{lower_triangle, mean_opening, path_dofs, pattern};
@@ -19,9 +14,6 @@ use pattern::{lower_triangle, mean_opening, path_dofs, pattern};
 /// Marks a constrained degree of freedom, and a matrix entry outside the free block.
 pub const NONE: usize = usize::MAX;
 const SKIP: u32 = u32::MAX;
-
-/// Elements evaluated together by one task.
-const GRAIN: usize = 16;
 
 /// Where the tangents of the bricks take their pressures from ([`hex8::Pressure`]).
 #[derive(Clone, Copy, Debug)]
@@ -179,204 +171,6 @@ impl System {
     /// Degrees of freedom of an interface element in the order of its residual.
     pub fn path_dofs(&self, e: usize) -> &[usize] {
         &self.path_dofs[e]
-    }
-
-    /// Residual and tangent at `u`, with the tangent's pressures as said; the new history goes to `new`.
-    ///
-    /// # Errors
-    /// The first fault in element order.
-    #[allow(clippy::too_many_arguments)]
-    pub fn assemble(
-        &mut self,
-        problem: &Problem,
-        local: &LocalParams<f64>,
-        ctx: &Context,
-        u: &[f64],
-        pressures: Pressures<'_>,
-        old: &History,
-        new: &mut History,
-    ) -> Result<(), ElementFault> {
-        self.evaluate_bricks(problem, local, ctx, u, pressures, old, new)?;
-        self.values.fill(0.0);
-        self.residual.fill(0.0);
-        self.mixed.fill(0.0);
-        self.grip_column.fill(0.0);
-        (self.grip_stiffness, self.grip_force) = (0.0, 0.0);
-        (self.force_scale, self.stiffness_scale) = (0.0, 0.0);
-        for (e, h) in problem.body.hexes.iter().enumerate() {
-            let el = &self.elements[e];
-            for (i, row) in el.rows.iter().enumerate() {
-                let map = &self.hex_map[e][i * (i + 1) / 2..][..=i];
-                for (j, &at) in map.iter().enumerate() {
-                    if at != SKIP {
-                        self.values[at as usize] += row[j % 3][j / 3];
-                    }
-                }
-            }
-            for i in 0..hex8::DOFS {
-                let dof = 3 * h[i / 3] + i % 3;
-                let r = el.residual[i];
-                self.force_scale = self.force_scale.max(r.abs());
-                self.stiffness_scale = self.stiffness_scale.max(el.entry(i, i));
-                match self.equation[dof] {
-                    NONE => self.grip_force += self.grip_share[dof] * r,
-                    eq => {
-                        self.residual[eq] += r;
-                        self.mixed[eq] += r - el.volume.excess_force(i);
-                    }
-                }
-            }
-        }
-        for g in 0..self.grip_hexes.len() {
-            let e = self.grip_hexes[g];
-            self.add_grip_coupling(&problem.body.hexes[e], e);
-        }
-        self.add_path(problem, local, ctx, u, old, new)
-    }
-
-    #[allow(clippy::too_many_arguments)]
-    fn evaluate_bricks(
-        &mut self,
-        problem: &Problem,
-        local: &LocalParams<f64>,
-        ctx: &Context,
-        u: &[f64],
-        pressures: Pressures<'_>,
-        old: &History,
-        new: &mut History,
-    ) -> Result<(), ElementFault> {
-        let nh = problem.bulk_history() * hex8::POINTS;
-        let (geometry, left) = (&self.geometry, &self.left);
-        let one = |e: usize, scratch: &mut hex8::Scratch, out: &mut hex8::Tangent, new: &mut [f64]| {
-            let nodes = gather8(u, &problem.body.hexes[e]);
-            hex8::tangent(
-                e,
-                &*problem.bulk,
-                ctx,
-                &local.bulk,
-                &geometry[e],
-                &nodes,
-                match pressures {
-                    Pressures::Own => hex8::Pressure::Own,
-                    Pressures::Guessed(all) => hex8::Pressure::Guessed(all[e]),
-                    Pressures::Linearised { share } => hex8::Pressure::Linearised { from: &left[e], share },
-                },
-                &old.bulk[e * nh..(e + 1) * nh],
-                new,
-                scratch,
-                out,
-            )
-        };
-        let faults: Vec<Result<(), ElementFault>> = if nh == 0 {
-            self.elements
-                .par_chunks_mut(GRAIN)
-                .enumerate()
-                .map(|(c, outs)| {
-                    let mut scratch = hex8::Scratch::default();
-                    let mut bricks = outs.iter_mut().enumerate();
-                    bricks.try_for_each(|(k, out)| one(c * GRAIN + k, &mut scratch, out, &mut []))
-                })
-                .collect()
-        } else {
-            self.elements
-                .par_chunks_mut(GRAIN)
-                .zip(new.bulk.par_chunks_mut(GRAIN * nh))
-                .enumerate()
-                .map(|(c, (outs, hs))| {
-                    let mut scratch = hex8::Scratch::default();
-                    let mut bricks = outs.iter_mut().zip(hs.chunks_mut(nh)).enumerate();
-                    bricks.try_for_each(|(k, (out, h))| one(c * GRAIN + k, &mut scratch, out, h))
-                })
-                .collect()
-        };
-        faults.into_iter().collect()
-    }
-
-    fn add_grip_coupling(&mut self, nodes: &[usize; 8], e: usize) {
-        let el = &self.elements[e];
-        for i in 0..hex8::DOFS {
-            let di = 3 * nodes[i / 3] + i % 3;
-            for j in 0..hex8::DOFS {
-                let dj = 3 * nodes[j / 3] + j % 3;
-                let share = self.grip_share[dj];
-                if share == 0.0 {
-                    continue;
-                }
-                let k = el.entry(i, j) * share;
-                match self.equation[di] {
-                    NONE => self.grip_stiffness += self.grip_share[di] * k,
-                    eq => self.grip_column[eq] += k,
-                }
-            }
-        }
-    }
-
-    fn add_path(
-        &mut self,
-        problem: &Problem,
-        local: &LocalParams<f64>,
-        ctx: &Context,
-        u: &[f64],
-        old: &History,
-        new: &mut History,
-    ) -> Result<(), ElementFault> {
-        let Some(path) = &problem.path else { return Ok(()) };
-        let nh = problem.path_history() * interface::POINTS;
-        for (e, el) in problem.body.cohesive.iter().enumerate() {
-            let ctx = problem.path_context(ctx, e);
-            let x = el.lower.map(|n| problem.body.nodes[n]);
-            let (o, n) = (&old.path[e * nh..(e + 1) * nh], &mut new.path[e * nh..(e + 1) * nh]);
-            let lower = gather4(u, &el.lower);
-            match &el.upper {
-                None => {
-                    let uy = lower.map(|v| v[1]);
-                    let (r, k) = interface::mirrored_tangent(
-                        e,
-                        &*path.law,
-                        &ctx,
-                        &local.path[e],
-                        &x,
-                        &uy,
-                        path.rule,
-                        o,
-                        n,
-                    )?;
-                    self.scatter_path(e, &r, |i, j| k[i][j]);
-                }
-                Some(upper) => {
-                    let up = gather4(u, upper);
-                    let all: [[f64; 3]; 8] =
-                        std::array::from_fn(|a| if a < 4 { lower[a] } else { up[a - 4] });
-                    let (r, k) =
-                        interface::tangent(e, &*path.law, &ctx, &local.path[e], &x, &all, path.rule, o, n)?;
-                    self.scatter_path(e, &r, |i, j| 0.5 * (k[i][j] + k[j][i]));
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn scatter_path(&mut self, e: usize, r: &[f64], k: impl Fn(usize, usize) -> f64) {
-        let mut entry = 0;
-        for i in 0..r.len() {
-            for j in 0..=i {
-                let at = self.path_map[e][entry];
-                entry += 1;
-                if at != SKIP {
-                    self.values[at as usize] += k(i, j);
-                }
-            }
-            self.force_scale = self.force_scale.max(r[i].abs());
-            // A node of the tear path may be held (mouth grips reach the path in thin arms).
-            let dof = self.path_dofs[e][i];
-            match self.equation[dof] {
-                NONE => self.grip_force += self.grip_share[dof] * r[i],
-                eq => {
-                    self.residual[eq] += r[i];
-                    self.mixed[eq] += r[i];
-                }
-            }
-        }
     }
 
     /// A Newton step leaves the iterate of the last assembly: pressures are linearised from here.
