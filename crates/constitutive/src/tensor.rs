@@ -12,14 +12,14 @@ pub fn identity<S: Scalar>() -> Tensor<S> {
 }
 
 /// Determinant.
-#[inline(always)]
+#[inline]
 pub fn det<S: Scalar>(a: &Tensor<S>) -> S {
     a[0] * (a[4] * a[8] - a[5] * a[7]) - a[1] * (a[3] * a[8] - a[5] * a[6])
         + a[2] * (a[3] * a[7] - a[4] * a[6])
 }
 
 /// Cofactor, det(A) A⁻ᵀ = ∂det(A)/∂A; exists for singular tensors too.
-#[inline(always)]
+#[inline]
 pub fn cofactor<S: Scalar>(a: &Tensor<S>) -> Tensor<S> {
     [
         a[4] * a[8] - a[5] * a[7],
@@ -35,7 +35,7 @@ pub fn cofactor<S: Scalar>(a: &Tensor<S>) -> Tensor<S> {
 }
 
 /// Inverse.
-#[inline(always)]
+#[inline]
 pub fn inverse<S: Scalar>(a: &Tensor<S>) -> Tensor<S> {
     let c = cofactor(a);
     let r = (a[0] * c[0] + a[1] * c[1] + a[2] * c[2]).recip();
@@ -43,7 +43,7 @@ pub fn inverse<S: Scalar>(a: &Tensor<S>) -> Tensor<S> {
 }
 
 /// A B.
-#[inline(always)]
+#[inline]
 pub fn mul<S: Scalar>(a: &Tensor<S>, b: &Tensor<S>) -> Tensor<S> {
     let mut c = [S::zero(); 9];
     for i in 0..3 {
@@ -55,13 +55,13 @@ pub fn mul<S: Scalar>(a: &Tensor<S>, b: &Tensor<S>) -> Tensor<S> {
 }
 
 /// Aᵀ.
-#[inline(always)]
+#[inline]
 pub fn transpose<S: Scalar>(a: &Tensor<S>) -> Tensor<S> {
     [a[0], a[3], a[6], a[1], a[4], a[7], a[2], a[5], a[8]]
 }
 
 /// A : B.
-#[inline(always)]
+#[inline]
 pub fn dot<S: Scalar>(a: &Tensor<S>, b: &Tensor<S>) -> S {
     let mut s = a[0] * b[0];
     for i in 1..9 {
@@ -71,13 +71,13 @@ pub fn dot<S: Scalar>(a: &Tensor<S>, b: &Tensor<S>) -> S {
 }
 
 /// Trace.
-#[inline(always)]
+#[inline]
 pub fn trace<S: Scalar>(a: &Tensor<S>) -> S {
     a[0] + a[4] + a[8]
 }
 
 /// A v.
-#[inline(always)]
+#[inline]
 pub fn apply<S: Scalar>(a: &Tensor<S>, v: &[S; 3]) -> [S; 3] {
     [
         a[0] * v[0] + a[1] * v[1] + a[2] * v[2],
@@ -87,13 +87,13 @@ pub fn apply<S: Scalar>(a: &Tensor<S>, v: &[S; 3]) -> [S; 3] {
 }
 
 /// Right Cauchy–Green tensor FᵀF.
-#[inline(always)]
+#[inline]
 pub fn right_cauchy_green<S: Scalar>(f: &Tensor<S>) -> Tensor<S> {
     mul(&transpose(f), f)
 }
 
 /// Kirchhoff stress τ = P Fᵀ.
-#[inline(always)]
+#[inline]
 pub fn kirchhoff<S: Scalar>(p: &Tensor<S>, f: &Tensor<S>) -> Tensor<S> {
     mul(p, &transpose(f))
 }
