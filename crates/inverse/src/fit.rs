@@ -68,6 +68,9 @@ pub fn fit<P: Problem + ?Sized>(
     search.run(observer)
 }
 
+/// Trials of one step that may promise next to nothing.
+const FEW_TRIALS: usize = 5;
+
 impl<P: Problem + ?Sized> Search<'_, P> {
     fn run(&mut self, observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>) -> Result<Fit, FitError> {
         let z0 = DVector::from_iterator(self.free.len(), self.free.iter().map(|f| f.forward(f.start)));
@@ -162,17 +165,18 @@ impl<P: Problem + ?Sized> Search<'_, P> {
         let space = self.step_box(state);
         damping.shorten = (2.0 * damping.shorten).min(1.0);
         let mut bent: Option<Step> = None;
-        for _ in 0..self.options.max_trials {
+        for trial in 0..self.options.max_trials {
             let lambda = damping.lambda;
             let straight = bent.is_none();
             let step = bent
                 .take()
                 .unwrap_or_else(|| scaled(bounded_step(system, d, lambda, &space), damping.shorten, system));
-            if step.fall <= 1e-3 * self.options.tolerance * state.f || !moves(&state.z, &step.dz) {
+            // Many trials are for steps that promise something.
+            let worth = self.options.tolerance * if trial < FEW_TRIALS { 1e-3 } else { 1.0 };
+            if step.fall <= worth * state.f || !moves(&state.z, &step.dz) {
                 break;
             }
-            let trial = self.evaluate(&state.z + &step.dz, self.options.jacobian_with_trial);
-            match trial {
+            match self.evaluate(&state.z + &step.dz, self.options.jacobian_with_trial) {
                 Ok(next) if next.f < state.f => {
                     damping.accept((state.f - next.f) / step.fall);
                     let flow = self.record(iteration, Ok(&next), true, lambda, observer);

@@ -1,7 +1,7 @@
 //! Fits of a rung on the search mesh, and their correction by what the file's mesh says more.
 
 use super::{FeLadder, Fitted};
-use crate::columns::{case_with, transfer};
+use crate::columns::transfer;
 use crate::identify::{AnalysisError, frees, run_options};
 use crate::problem::FeProblem;
 use crate::{priors, start};
@@ -22,31 +22,12 @@ const COARSE_TOLERANCE: f64 = 2e-2;
 /// Reduced χ² from which a model counts as far from the record.
 const UNEXPLAINED: f64 = 1.5;
 
-/// Trials of one step before the search is content.
-const TRIALS: usize = 5;
+/// Trials of one step before the search is content. From the sixth on they must promise what is worth another step:
+/// the fits of a search begin where one trial in two is the bent one, so fewer hardly damp them.
+const TRIALS: usize = 10;
 
 /// Reduced χ² beyond which a model is far from the record.
 pub(super) const FAR: f64 = 3.0;
-
-/// Where a rung's fit begins, in turn: the share of the screen's amplitude, and the base's values.
-const STARTS: [(f64, Values); 3] = [(1.0, Values::Fitted), (0.05, Values::Fitted), (1.0, Values::OffBounds)];
-
-/// Values of the base from which a rung's fit begins.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Values {
-    /// As the base was fitted.
-    Fitted,
-    /// Those that the fit left at a bound begin at their own start again: a base that lacks an effect may have been
-    /// driven to where no run with the effect comes through (a matrix without stiffness, say).
-    OffBounds,
-}
-
-/// A tear path that lacked an effect may have been bent far from its own strength and toughness: these factors of
-/// the fitted ones (σc, Gc) leave the effect its share.
-const BRITTLE: [(&str, f64); 2] = [("sigma_c", 3.0), ("gc", 0.5)];
-
-/// A rung whose objective is this many times its base's has lost its way.
-const WORSE: f64 = 1.05;
 
 /// Rounds of fit and correction at most.
 const ROUNDS: usize = 2;
@@ -57,10 +38,11 @@ const SETTLED: f64 = 0.3;
 /// A rung is worth its own correction when its χ² is within this factor of the best so far.
 const PROMISING: f64 = 1.5;
 
-/// A fit that is still this many times worse than the best model known, after so many steps, is
-/// given up: it will not be chosen.
+/// A fit that is still this many times worse than the best model known, after so many steps, and has not halved its
+/// misfit in the last of them, is given up: it will not be chosen.
 const HOPELESS: f64 = 4.0;
 const PATIENCE: usize = 4;
+const HALVED: f64 = 0.5;
 
 impl FeLadder<'_> {
     /// The base fit: a start if one is wanted, coarse fit, the finer mesh's correction, fit again.
@@ -130,65 +112,6 @@ impl FeLadder<'_> {
         (sum / d.len().max(1) as f64).sqrt()
     }
 
-    /// Fits a rung from the screen's estimate. At its neutral value an effect leaves the base as good
-    /// as it was: a fit that ends worse, or cannot begin, starts once more from a small amplitude; one that cannot
-    /// begin there either, from values off their bounds.
-    pub(super) fn fit_near_neutral_if_need_be(
-        &self,
-        key: &[String],
-        effects: &[String],
-        hints: &diagnose::Hints,
-    ) -> Result<Fitted, AnalysisError> {
-        let mut best: Result<Fitted, AnalysisError> = Err(AnalysisError::Case("no base fit".into()));
-        for (share, values) in STARTS {
-            if values == Values::OffBounds && best.is_ok() {
-                break;
-            }
-            let Some(base) = self.nearest(key) else { break };
-            let case = case_with(&self.case, &self.configs(effects, hints, base, share));
-            let model = Model::new(Arc::new(case), self.catalogue, self.how)?;
-            let mut theta = transfer(&base.model, &base.theta, &model);
-            if values == Values::OffBounds && !off_bounds(base, &model, &mut theta) {
-                break;
-            }
-            let (correction, states, enough) =
-                (base.correction.clone(), self.guesses(base, &model), WORSE * base.fit.f);
-            match self.fit_rung(model, theta, correction, states) {
-                Ok(f) if f.fit.f <= enough => return Ok(f),
-                Ok(f) if best.as_ref().is_ok_and(|b| b.fit.f <= f.fit.f) => {}
-                Err(e) if (self.cancelled)() => return Err(e),
-                Err(_) if best.is_ok() => {}
-                answer => best = answer,
-            }
-        }
-        best
-    }
-
-    /// Once more where an effect of the tear path leaves the model far from the record: from a stronger, more brittle
-    /// path and the effect's own start. The better of the two fits.
-    pub(super) fn again_on_a_brittle_path(&self, effects: &[String], first: Fitted) -> Fitted {
-        let key = Self::key(effects);
-        let on_path =
-            |e: &String| self.catalogue.get(e).is_some_and(|e| e.card().site == model::Site::Interface);
-        let (true, Some(base)) = (effects.last().is_some_and(on_path), self.nearest(&key)) else {
-            return first;
-        };
-        let case = case_with(&self.case, &self.configs(effects, &diagnose::Hints::new(), base, 1.0));
-        let Ok(model) = Model::new(Arc::new(case), self.catalogue, self.how) else { return first };
-        let mut theta = transfer(&base.model, &base.theta, &model);
-        for (t, p) in theta.iter_mut().zip(&model.parameters) {
-            let what = p.path.strip_prefix("interface.area[").and_then(|r| r.split_once("].")).map(|r| r.1);
-            if let Some((_, factor)) = BRITTLE.iter().find(|b| p.free && Some(b.0) == what) {
-                *t = (*t * factor).clamp(p.spec.lower, p.spec.upper);
-            }
-        }
-        (self.progress)(&format!("{}: once more from a more brittle path", super::named(effects)));
-        match self.fit_rung(model, theta, base.correction.clone(), Vec::new()) {
-            Ok(f) if f.fit.f < first.fit.f => f,
-            _ => first,
-        }
-    }
-
     /// The states of a fitted rung as first guesses for another model of the same tests.
     pub(super) fn guesses(&self, of: &Fitted, model: &Model) -> Vec<Option<fem::Warm>> {
         let one = |(t, w): (usize, &Option<fem::Warm>)| {
@@ -199,7 +122,7 @@ impl FeLadder<'_> {
     }
 
     /// Fits a rung; one that promises to be the answer gets its own correction.
-    fn fit_rung(
+    pub(super) fn fit_rung(
         &self,
         model: Model,
         theta: Vec<f64>,
@@ -275,8 +198,10 @@ impl FeLadder<'_> {
                         if i.accepted { "" } else { " (rejected)" }
                     ));
                 }
-                let hopeless = i.iteration >= PATIENCE && i.f.is_some_and(|f| f > HOPELESS * best);
+                // A trial that was rejected says nothing about the fit.
                 let taken = i.f.filter(|_| i.accepted);
+                let hopeless = i.iteration >= PATIENCE
+                    && taken.is_some_and(|f| f > HOPELESS * best && f > HALVED * last);
                 let idle = taken.is_some_and(|f| f > far && last - f < COARSE_TOLERANCE * f);
                 last = taken.unwrap_or(last);
                 if hopeless || idle { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -291,17 +216,4 @@ impl FeLadder<'_> {
         let quality = quality(&self.measured.data, &list, &fit);
         Ok(Fitted { model, theta: all, free, frees: list, fit, quality, correction, warm })
     }
-}
-
-/// Gives the parameters that a fit left at a bound their own start; whether there are any.
-fn off_bounds(of: &Fitted, model: &Model, theta: &mut [f64]) -> bool {
-    let start = model.theta();
-    let mut any = false;
-    for (&i, _) in of.free.iter().zip(&of.fit.at_bound).filter(|(_, at)| **at) {
-        if let Some(j) = model.find(&of.model.parameters[i].path) {
-            theta[j] = start[j];
-            any = true;
-        }
-    }
-    any
 }

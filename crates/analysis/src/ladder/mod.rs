@@ -4,6 +4,7 @@
 //! fit (defect correction, repeated until it stands); the same difference tells the numerical error
 //! that every χ², test and interval carries.
 
+mod begin;
 mod fit;
 mod forms;
 mod rung;

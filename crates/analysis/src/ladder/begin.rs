@@ -1,0 +1,157 @@
+//! Where the fit of a rung begins: at the screen's estimate, nearer to the base, off the base's bounds, from a more
+//! brittle tear path.
+
+use super::{FeLadder, Fitted};
+use crate::columns::{case_with, transfer};
+use crate::identify::AnalysisError;
+use crate::problem::FeProblem;
+use inverse::{Noise, Problem as _, Whitener};
+use model::Model;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+/// Where a rung's fit begins.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Begin {
+    /// At the screen's estimate and the base's values.
+    Screened,
+    /// At that share of the estimate which misses the records least.
+    Nearer,
+    /// At the estimate, but with the values that the base's fit left at a bound at their own start again: a base that
+    /// lacks an effect may have been driven to where no run with the effect comes through (a matrix without
+    /// stiffness, say).
+    OffBounds,
+}
+
+/// Shares of the screen's estimate. It is linear, and may stand far beyond where the effect still fits.
+const SHARES: [f64; 4] = [0.5, 0.25, 0.1, 0.05];
+
+/// A tear path that lacked an effect may have been bent far from its own strength and toughness: these factors of
+/// the fitted ones (σc, Gc) leave the effect its share.
+const BRITTLE: [(&str, f64); 2] = [("sigma_c", 3.0), ("gc", 0.5)];
+
+/// A rung whose objective is this many times its base's has lost its way.
+const WORSE: f64 = 1.05;
+
+impl FeLadder<'_> {
+    /// Fits a rung from the screen's estimate. At its neutral value an effect leaves the base as good
+    /// as it was: a fit that ends worse, or cannot begin, starts once more from a smaller amplitude; one that cannot
+    /// begin there either, from values off their bounds.
+    pub(super) fn fit_near_neutral_if_need_be(
+        &self,
+        key: &[String],
+        effects: &[String],
+        hints: &diagnose::Hints,
+    ) -> Result<Fitted, AnalysisError> {
+        let mut best: Result<Fitted, AnalysisError> = Err(AnalysisError::Case("no base fit".into()));
+        for begin in [Begin::Screened, Begin::Nearer, Begin::OffBounds] {
+            if begin == Begin::OffBounds && best.is_ok() {
+                break;
+            }
+            let Some(base) = self.nearest(key) else { break };
+            let share = if begin == Begin::Nearer { self.best_share(effects, hints, base)? } else { 1.0 };
+            let (model, mut theta) = self.begun(effects, hints, base, share)?;
+            if begin == Begin::OffBounds && !off_bounds(base, &model, &mut theta) {
+                break;
+            }
+            let (correction, states, enough) =
+                (base.correction.clone(), self.guesses(base, &model), WORSE * base.fit.f);
+            match self.fit_rung(model, theta, correction, states) {
+                Ok(f) if f.fit.f <= enough => return Ok(f),
+                Ok(f) if best.as_ref().is_ok_and(|b| b.fit.f <= f.fit.f) => {}
+                Err(e) if (self.cancelled)() => return Err(e),
+                Err(_) if best.is_ok() => {}
+                answer => best = answer,
+            }
+        }
+        best
+    }
+
+    /// The model with the effects at a share of what the screen proposes, and its values.
+    fn begun(
+        &self,
+        effects: &[String],
+        hints: &diagnose::Hints,
+        base: &Fitted,
+        share: f64,
+    ) -> Result<(Model, Vec<f64>), AnalysisError> {
+        let case = case_with(&self.case, &self.configs(effects, hints, base, share));
+        let model = Model::new(Arc::new(case), self.catalogue, self.how)?;
+        let theta = transfer(&base.model, &base.theta, &model);
+        Ok((model, theta))
+    }
+
+    /// The share of the screen's estimate that misses the records least; the smallest where none gives an answer.
+    fn best_share(
+        &self,
+        effects: &[String],
+        hints: &diagnose::Hints,
+        base: &Fitted,
+    ) -> Result<f64, AnalysisError> {
+        let whitener = Whitener::new(&self.measured.data, None, Noise::Total);
+        let mut best = (f64::INFINITY, SHARES[SHARES.len() - 1]);
+        for share in SHARES {
+            let (model, theta) = self.begun(effects, hints, base, share)?;
+            let slots = &self.measured.slots;
+            let mut problem = FeProblem::new(&model, theta, Vec::new(), slots, self.options, self.cancelled);
+            problem.options.march.budget = crate::identify::TRIAL_BUDGET;
+            problem.correction = base.correction.clone();
+            problem.start_from(self.guesses(base, &model));
+            self.runs.fetch_add(1, Ordering::Relaxed);
+            match problem.predict(&[], false) {
+                Ok(p) => {
+                    let f = whitener.apply(&self.measured.data.misfit(&p.values)).norm_squared();
+                    if f < best.0 {
+                        best = (f, share);
+                    }
+                }
+                Err(e @ inverse::PredictError::Interrupted) => return Err(e.into()),
+                Err(_) => {}
+            }
+        }
+        (self.progress)(&format!(
+            "{}: once more from {} of the screen's estimate",
+            super::named(effects),
+            best.1
+        ));
+        Ok(best.1)
+    }
+
+    /// Once more where an effect of the tear path leaves the model far from the record: from a stronger, more brittle
+    /// path and the effect's own start. The better of the two fits.
+    pub(super) fn again_on_a_brittle_path(&self, effects: &[String], first: Fitted) -> Fitted {
+        let key = Self::key(effects);
+        let on_path =
+            |e: &String| self.catalogue.get(e).is_some_and(|e| e.card().site == model::Site::Interface);
+        let (true, Some(base)) = (effects.last().is_some_and(on_path), self.nearest(&key)) else {
+            return first;
+        };
+        let Ok((model, mut theta)) = self.begun(effects, &diagnose::Hints::new(), base, 1.0) else {
+            return first;
+        };
+        for (t, p) in theta.iter_mut().zip(&model.parameters) {
+            let what = p.path.strip_prefix("interface.area[").and_then(|r| r.split_once("].")).map(|r| r.1);
+            if let Some((_, factor)) = BRITTLE.iter().find(|b| p.free && Some(b.0) == what) {
+                *t = (*t * factor).clamp(p.spec.lower, p.spec.upper);
+            }
+        }
+        (self.progress)(&format!("{}: once more from a more brittle path", super::named(effects)));
+        match self.fit_rung(model, theta, base.correction.clone(), Vec::new()) {
+            Ok(f) if f.fit.f < first.fit.f => f,
+            _ => first,
+        }
+    }
+}
+
+/// Gives the parameters that a fit left at a bound their own start; whether there are any.
+fn off_bounds(of: &Fitted, model: &Model, theta: &mut [f64]) -> bool {
+    let start = model.theta();
+    let mut any = false;
+    for (&i, _) in of.free.iter().zip(&of.fit.at_bound).filter(|(_, at)| **at) {
+        if let Some(j) = model.find(&of.model.parameters[i].path) {
+            theta[j] = start[j];
+            any = true;
+        }
+    }
+    any
+}
