@@ -165,6 +165,22 @@ fn stop_reasons_are_told_apart() {
 }
 
 #[test]
+fn many_trials_are_for_steps_that_promise_something() {
+    let d = data(&truth(&Toy(40, exponential), &[3.0, 0.7, -0.4]), NoiseModel::white(0.05));
+    // Its steps promise much and go uphill.
+    let liar = Toy(40, |i, p: &[f64]| {
+        let (y, j) = exponential(i, p);
+        (y, j.iter().map(|v| -v).collect())
+    });
+    let rejected = |tolerance: f64| {
+        let options = FitOptions { tolerance, max_trials: 12, ..FitOptions::default() };
+        quiet(&liar, &d, &exponential_free(), &options).history.iter().filter(|it| !it.accepted).count()
+    };
+    assert_eq!(rejected(1e-6), 12);
+    assert_eq!(rejected(2.0), 5, "no fall is worth twice the objective");
+}
+
+#[test]
 fn bad_input_is_an_error_not_a_panic() {
     let toy = Toy(40, exponential);
     let values = truth(&toy, &[3.0, 0.7, -0.4]);
