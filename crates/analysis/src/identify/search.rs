@@ -73,8 +73,10 @@ impl Search<'_> {
         }
         work.stopped.truncate(before);
         work.held = None;
-        // A joint search that was brought near on the coarse mesh needs no stages on the fine one.
-        let straight = coarse.is_some() && list.iter().any(|s| s.0 == Stage::Joint);
+        // A joint search that was brought near on the coarse mesh needs no stages on the fine one, nor does one that is to
+        // stay where it is.
+        let near = coarse.is_some() || self.case.identify.max_iterations == 0;
+        let straight = near && list.iter().any(|s| s.0 == Stage::Joint);
         for (stage, free, tests) in list.iter().filter(|s| !straight || s.0 == Stage::Joint) {
             work.stage(self.fine, *stage, free, tests, false)?;
         }
