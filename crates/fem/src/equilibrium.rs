@@ -14,10 +14,10 @@ use constitutive::{Context, Jet, Law, tangent_by_jets_1};
 pub enum Control {
     /// The actuator stands at this displacement, mm.
     Actuator(f64),
-    /// Pseudo-arc length in the plane (actuator displacement, mean opening):
+    /// Pseudo-arc length in the plane (actuator displacement, opening by [`System::opening`]):
     /// t_u (u_a − u₀) + t_w (w − w₀) = length.
     Arc {
-        /// Start of the step: actuator displacement and mean opening, mm.
+        /// Start of the step: actuator displacement and opening, mm.
         from: [f64; 2],
         /// Unit tangent of the path at the start.
         tangent: [f64; 2],
@@ -66,9 +66,9 @@ pub fn impose(problem: &Problem, grip: f64, u: &mut [f64]) {
     }
 }
 
-/// Mean opening of the tear path, mm.
-pub fn mean_opening(system: &System, u: &[f64], free: &[usize]) -> f64 {
-    system.mean_opening.iter().map(|&(eq, w)| w * u[free[eq]]).sum()
+/// Opening of the tear path by the measure of `system`, mm.
+pub fn opening(system: &System, u: &[f64], free: &[usize]) -> f64 {
+    system.opening.iter().map(|&(eq, w)| w * u[free[eq]]).sum()
 }
 
 /// The linearised step: responses of the free unknowns to their residual and to the grip.

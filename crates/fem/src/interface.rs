@@ -79,6 +79,11 @@ pub fn point_x(nodes: &[[f64; 3]; 4], q: usize, rule: Integration) -> f64 {
     combine(&shape(q, rule).n, nodes)[0]
 }
 
+/// Shares of the four nodes in a point of the quadrilateral.
+pub fn shares(q: usize, rule: Integration) -> [f64; 4] {
+    shape(q, rule).n
+}
+
 /// Local opening (normal, two tangential) and reference area of point `q`.
 struct Opening<X> {
     local: [X; 3],

@@ -17,6 +17,7 @@ pub mod hex8;
 pub mod interface;
 mod march;
 mod newton;
+mod opening;
 mod path;
 mod problem;
 pub mod sensitivity;

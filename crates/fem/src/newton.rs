@@ -1,6 +1,6 @@
 //! Newton's method for one step, with the load train and the control in a border.
 
-use crate::equilibrium::{Border, Control, impose, mean_opening, take_up, train_elongation};
+use crate::equilibrium::{Border, Control, impose, opening, take_up, train_elongation};
 use crate::error::FemError;
 use crate::problem::{LocalParams, Problem};
 use crate::state::State;
@@ -191,7 +191,7 @@ impl Step<'_> {
         match self.control {
             Control::Actuator(_) => 0.0,
             Control::Arc { from, tangent, length } => {
-                let w = mean_opening(system, &state.u, self.free);
+                let w = opening(system, &state.u, self.free);
                 tangent[0] * (state.actuator - from[0]) + tangent[1] * (w - from[1]) - length
             }
         }
@@ -207,7 +207,7 @@ impl Step<'_> {
             Control::Actuator(_) => (rhs / lhs, 0.0),
             Control::Arc { tangent, .. } => {
                 let (_, s_slope) = take_up(self.problem, &self.local.takeup, state.actuator);
-                let along = |x: &[f64]| -> f64 { system.mean_opening.iter().map(|&(eq, w)| w * x[eq]).sum() };
+                let along = |x: &[f64]| -> f64 { system.opening.iter().map(|&(eq, w)| w * x[eq]).sum() };
                 // t_u du_a + t_w (w·(correction + response du_g)) = −arc_error, s' du_a = lhs du_g − rhs
                 let need = -self.arc_error(system, state) - tangent[1] * along(&b.correction);
                 let per_grip = tangent[0] * lhs / s_slope + tangent[1] * along(&b.response);

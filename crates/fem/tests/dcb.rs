@@ -25,7 +25,8 @@ struct Dcb {
     peak: f64,
 }
 
-fn dcb(n: usize, sigma_c: f64) -> Dcb {
+/// A run with `n` bricks per arm to an opening of the mouth of 0.55 mm.
+fn torn(n: usize, sigma_c: f64) -> fem::Run {
     let size = H / n as f64;
     let width = 20.0;
     let strip = Strip {
@@ -45,12 +46,21 @@ fn dcb(n: usize, sigma_c: f64) -> Dcb {
         gc: GC,
         sigma_c,
     };
-    let run = complete(
-        &problem,
-        &tissue.theta(1),
-        &plan([0.01].into_iter().chain(ramp(0.01, 0.55, 54))),
-        shipped(),
-    );
+    complete(&problem, &tissue.theta(1), &plan([0.01].into_iter().chain(ramp(0.01, 0.55, 54))), shipped())
+}
+
+/// Crack length of a slender beam of this compliance: contains the root's rotation.
+fn length(s: &fem::StepRecord) -> f64 {
+    (E * H.powi(3) * s.actuator / (8.0 * s.force)).cbrt()
+}
+
+/// Energy release rate from force and displacement alone, over Gc.
+fn release(s: &fem::StepRecord) -> f64 {
+    12.0 * (s.force * length(s)).powi(2) / (E * H.powi(3)) / GC
+}
+
+fn dcb(n: usize, sigma_c: f64) -> Dcb {
+    let run = torn(n, sigma_c);
     let shear = E / 2.0;
     let gamma = 1.18 * E / shear;
     let chi = (E / (11.0 * shear) * (3.0 - 2.0 * (gamma / (1.0 + gamma)).powi(2))).sqrt();
@@ -59,17 +69,12 @@ fn dcb(n: usize, sigma_c: f64) -> Dcb {
     let compliance = first.actuator / first.force / beam(A0);
     // LEFM: P = sqrt(Gc E h³/12)/(a + χh).
     let critical = (GC * E * H.powi(3) / 12.0).sqrt() / (A0 + chi * H);
-    let mut release = Vec::new();
-    for s in &run.steps {
-        // Effective length from compliance; plateau: grown by 1.5 to 5 mm, far from the far edge.
-        let a = (E * H.powi(3) * s.actuator / (8.0 * s.force)).cbrt();
-        if (A0 + 2.5..A0 + 6.0).contains(&a) {
-            release.push(12.0 * (s.force * a).powi(2) / (E * H.powi(3)) / GC);
-        }
-    }
-    assert!(release.len() > 8, "{} points on the plateau", release.len());
-    let mean = release.iter().sum::<f64>() / release.len() as f64;
-    let spread = release.iter().fold(0.0f64, |m, r| m.max((r - mean).abs()));
+    // Plateau: grown by 1.5 to 5 mm, far from the far edge.
+    let plateau = run.steps.iter().filter(|s| (A0 + 2.5..A0 + 6.0).contains(&length(s)));
+    let rates: Vec<f64> = plateau.map(release).collect();
+    assert!(rates.len() > 8, "{} points on the plateau", rates.len());
+    let mean = rates.iter().sum::<f64>() / rates.len() as f64;
+    let spread = rates.iter().fold(0.0f64, |m, r| m.max((r - mean).abs()));
     Dcb { compliance, release: (mean, spread), closure: worst_closure(&run), peak: peak(&run) / critical }
 }
 
@@ -97,4 +102,24 @@ fn dcb_against_corrected_beam_theory() {
     assert!((finest.release.0 - 1.0).abs() < 0.02 && finest.release.1 < 0.01);
     assert!(results.iter().all(|r| r.closure < 1e-3));
     assert!((finest.peak - 1.0).abs() < 0.04);
+}
+
+/// A process zone shorter than an element: the tear goes on by one small jump per element, each a sharp limit point on
+/// a path that is nearly a line in displacement and mean opening. The mesh resists more than Gc there, which is no
+/// fault of the walk; that a jump ends one element further is what it must find.
+#[test]
+fn a_tear_that_the_mesh_does_not_resolve_goes_on_element_by_element() {
+    let n = 2;
+    let size = H / f64::from(n);
+    let run = torn(n as usize, 20.0);
+    let landed: Vec<f64> = run.steps.iter().filter(|s| s.after_jump).map(length).collect();
+    let lengths: Vec<String> = landed.iter().map(|a| format!("{a:.2}")).collect();
+    println!("landed at {} mm, closure {:.1e}", lengths.join(", "), worst_closure(&run));
+    assert!(landed.len() > 3, "{} jumps", landed.len());
+    for (a, b) in landed.iter().zip(&landed[1..]) {
+        assert!((b - a - size).abs() < 0.05 * size, "a jump by {} mm", b - a);
+    }
+    assert!(run.jumps.iter().all(|j| j.released > 0.0 && j.force_after < j.force_before));
+    // Over a whole jump the work is that of the path, which turns back in displacement twice.
+    assert!(worst_closure(&run) < 1e-3);
 }

@@ -10,6 +10,15 @@ use crate::state::State;
 use constitutive::Context;
 use std::sync::Arc;
 
+/// What a step along the path kept, and how it began and ended.
+#[derive(Clone, Copy)]
+pub(crate) struct Along {
+    /// Tangent of the control that held it ([`Stage::arc`]).
+    pub held: [f64; 2],
+    /// Change of the actuator displacement at its begin and at its end, mm over the whole step.
+    pub rates: [f64; 2],
+}
+
 /// Accepts a converged step: sensitivities, ledger, history, record.
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn fresh_commit(
@@ -19,13 +28,14 @@ pub(crate) fn fresh_commit(
     dt: f64,
     target: Option<usize>,
     iterations: usize,
-    arc: Option<[f64; 2]>,
+    along: Option<Along>,
     border: &Border,
 ) -> Result<(), FemError> {
+    let arc = along.map(|a| a.held);
     let ctx = Context { time, ..m.context(dt) };
     let (derivatives, gradient) = differentiate(m, &fresh, ctx, arc, border)?;
     let slope = m.actuator_slope(border, &fresh);
-    let ledger = if m.options.ledger { add_up(m, &fresh, ctx, slope) } else { Ledger::default() };
+    let ledger = if m.options.ledger { add_up(m, &fresh, ctx, slope, along) } else { Ledger::default() };
     let moved = m.columns.iter().any(|c| c.moved()) || history_moved(&m.state, &fresh);
     m.force_floor = m.force_floor.max(m.system.force_scale);
     m.largest_force = m.largest_force.max(fresh.force.abs());
@@ -126,22 +136,36 @@ fn differentiate(
     Ok((all, gradient))
 }
 
-/// Ledger after a step: work by the trapezoid with end slopes (fourth order).
-fn add_up(m: &mut March, fresh: &State, ctx: Context, slope: f64) -> Ledger {
+/// Work of a force over a step, ∫F du, with both as cubics of the arc (Hermite): values, and rates of the
+/// displacement over the step with the slopes dF/du at its begin and end. At an even rate this is the trapezoid with end
+/// slopes; a step may also turn back in u.
+fn work(force: [f64; 2], u: [f64; 2], rate: [f64; 2], slope: [f64; 2]) -> f64 {
+    let [f0, f1] = force;
+    let h = u[1] - u[0];
+    let [a, b] = [slope[0] * rate[0], slope[1] * rate[1]];
+    let curved = ((f0 - f1) * (rate[0] - rate[1]) + (a - b) * h) / 10.0 + (b * rate[0] - a * rate[1]) / 60.0;
+    0.5 * h * (f0 + f1) + if curved.is_finite() { curved } else { 0.0 }
+}
+
+/// Ledger after a step.
+fn add_up(m: &mut March, fresh: &State, ctx: Context, slope: f64, along: Option<Along>) -> Ledger {
     let (bulk, path) = energy::internal(m.problem, &m.local, m.system, &ctx, &m.state.history, fresh);
     let (before, mut ledger) = match m.run.steps.last() {
         Some(s) => ((s.actuator, s.force, s.slope, s.grip), s.ledger),
         None => ((fresh.actuator, fresh.force, slope, fresh.grip), Ledger::default()),
     };
     let h = fresh.actuator - before.0;
-    ledger.external_work += 0.5 * h * (before.1 + fresh.force) + h * h / 12.0 * (before.2 - slope);
+    let rates = along.map_or([h, h], |a| a.rates);
+    let forces = [before.1, fresh.force];
+    let added = work(forces, [before.0, fresh.actuator], rates, [before.2, slope]);
+    ledger.external_work += added;
     // The train takes what does not reach the tissue: ∫ F d(u_actuator − u_grip), same rule with
-    // the slope of F against the elongation.
+    // its share of the curvature.
     let stretch = (fresh.actuator - fresh.grip) - (before.0 - before.3);
     if stretch != 0.0 {
         let grip_step = fresh.grip - before.3;
         let share = if h.abs() > 0.0 { grip_step / h } else { 0.0 };
-        let correction = h * h / 12.0 * (before.2 - slope) * (1.0 - share);
+        let correction = (added - 0.5 * h * (before.1 + fresh.force)) * (1.0 - share);
         m.train_energy += 0.5 * stretch * (before.1 + fresh.force) + correction;
     }
     ledger.rig = m.train_energy;

@@ -7,13 +7,13 @@ mod options;
 mod record;
 mod visits;
 
-pub(crate) use commit::fresh_commit;
+pub(crate) use commit::{Along, fresh_commit};
 pub use options::{MarchOptions, NoObserver, Observer, Target};
 pub use record::{Jump, Kept, Run, StepRecord};
 
-use crate::equilibrium::{free_dofs, mean_opening};
+use crate::equilibrium::{free_dofs, opening};
 use crate::error::FemError;
-use crate::path;
+use crate::path::{self, Measure};
 use crate::problem::{LocalParams, Problem};
 use crate::sensitivity::Columns;
 use crate::state::{Guess, State};
@@ -43,6 +43,8 @@ pub(crate) struct March<'a> {
     /// Cuts have not helped so far: Newton gets more iterations.
     stubborn: bool,
     train_energy: f64,
+    /// What the walks along the path are measured by.
+    measure: Measure,
 }
 
 /// Runs a plan.
@@ -75,6 +77,7 @@ pub fn march(
         recent: Vec::new(),
         stubborn: false,
         train_energy: 0.0,
+        measure: Measure::default(),
         problem,
         system,
         free,
@@ -188,13 +191,38 @@ impl March<'_> {
         if step == 0.0 || tired && self.problem.path.is_none() {
             return Err(blame(failed, self.state.actuator, step.abs()));
         }
-        if !tired && (*lost || !path::limit_ahead(self, step)) {
+        // Where the mean opening has no say, neither has its tangent on limit points.
+        let ahead = self.measure == Measure::Softening || tired || path::limit_ahead(self, step);
+        if *lost && !tired || !ahead {
             return Ok(false);
         }
-        let mark = self.mark();
-        let Err(why) = path::jump(self, target.actuator, step.abs(), dt) else { return Ok(true) };
-        // What was walked is no answer of the rig.
-        self.back_to(mark);
+        // By the softening zone where nothing else has led on before, or does now.
+        let measures = match (self.measure, tired) {
+            (Measure::Arc, false) => vec![Measure::Arc],
+            (Measure::Arc, true) => vec![Measure::Arc, Measure::Softening],
+            (Measure::Softening, _) => vec![Measure::Softening],
+        };
+        let mut why = failed;
+        for measure in measures {
+            let mark = self.mark();
+            let walked = path::jump(self, measure, target.actuator, step.abs(), dt);
+            path::measure_by_arc(self);
+            match walked {
+                Ok(()) => {
+                    self.measure = measure;
+                    return Ok(true);
+                }
+                Err(e) => {
+                    // What was walked is no answer of the rig.
+                    self.back_to(mark);
+                    let given_up = matches!(e, FemError::Setup(_));
+                    why = e;
+                    if given_up {
+                        break;
+                    }
+                }
+            }
+        }
         if tired {
             return Err(blame(why, self.state.actuator, step.abs()));
         }
@@ -203,8 +231,8 @@ impl March<'_> {
         Ok(false)
     }
 
-    pub(crate) fn mean_opening(&self, u: &[f64]) -> f64 {
-        mean_opening(self.system, u, &self.free)
+    pub(crate) fn opening(&self, u: &[f64]) -> f64 {
+        opening(self.system, u, &self.free)
     }
 }
 

@@ -69,7 +69,7 @@ where
         let (_, s_slope) =
             crate::equilibrium::take_up(&self.problem, &self.plain.takeup, stage.state.actuator);
         let (mut d_grip, mut d_act, mut d_force) = ([0.0; W], [0.0; W], [0.0; W]);
-        let opening = |x: &[f64]| -> f64 { stage.system.mean_opening.iter().map(|&(eq, w)| w * x[eq]).sum() };
+        let opening = |x: &[f64]| -> f64 { stage.system.opening.iter().map(|&(eq, w)| w * x[eq]).sum() };
         for c in 0..self.seeds.len() {
             let y = &solution[c * n..(c + 1) * n];
             let along: f64 = stage.system.grip_column.iter().zip(y).map(|(a, b)| a * b).sum();

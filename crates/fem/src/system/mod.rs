@@ -3,13 +3,14 @@
 use crate::error::FemError;
 use crate::factor::Factor;
 use crate::hex8;
+use crate::opening::{self, Weights};
 use crate::problem::Problem;
 use rayon::prelude::*;
 
 mod assembly;
 mod pattern;
 
-use pattern::{lower_triangle, mean_opening, path_dofs, pattern};
+use pattern::{lower_triangle, path_dofs, pattern};
 
 /// Marks a constrained degree of freedom, and a matrix entry outside the free block.
 pub const NONE: usize = usize::MAX;
@@ -63,8 +64,8 @@ pub struct System {
     elements: Vec<hex8::Tangent>,
     /// Volumes and pressures of the iterate that a Newton step leaves.
     left: Vec<hex8::Volume>,
-    /// Mean-opening functional: (equation, weight), weights of a unit mean opening.
-    pub mean_opening: Vec<(usize, f64)>,
+    /// The opening by which steps along the path are measured: the mean one, where nothing else is said.
+    pub opening: Weights,
 }
 
 impl System {
@@ -148,7 +149,7 @@ impl System {
             geometry: Vec::new(),
             elements: vec![hex8::Tangent::default(); body.hexes.len()],
             left: vec![hex8::Volume::default(); body.hexes.len()],
-            mean_opening: Vec::new(),
+            opening: Weights::new(),
             equation,
             unknowns,
         };
@@ -160,7 +161,7 @@ impl System {
     pub fn set_geometry(&mut self, problem: &Problem) {
         let body = &problem.body;
         self.geometry = body.hexes.par_iter().map(|h| hex8::geometry(&h.map(|n| body.nodes[n]))).collect();
-        self.mean_opening = mean_opening(problem, &self.equation);
+        self.opening = opening::mean(problem, &self.equation);
     }
 
     /// Geometry of the bricks.

@@ -2,8 +2,7 @@
 
 use super::NONE;
 use crate::hex8;
-use crate::interface;
-use crate::problem::{CohesiveElement, Problem};
+use crate::problem::CohesiveElement;
 
 /// Entries of the lower triangle of a brick's tangent, row by row.
 pub(super) fn lower_triangle() -> impl Iterator<Item = (usize, usize)> {
@@ -46,32 +45,4 @@ pub(super) fn pattern(
         rows[ptr[j]..ptr[j + 1]].sort_unstable();
     }
     (ptr, rows)
-}
-
-/// Weights of the mean normal opening in the reference direction y.
-pub(super) fn mean_opening(problem: &Problem, equation: &[usize]) -> Vec<(usize, f64)> {
-    let body = &problem.body;
-    let mut weights = std::collections::BTreeMap::new();
-    let mut total = 0.0;
-    for el in &body.cohesive {
-        let x = el.lower.map(|n| body.nodes[n]);
-        let zero = [[0.0; 3]; 4];
-        let area: f64 =
-            interface::openings(&x, &zero, &zero, interface::Integration::Gauss).iter().map(|o| o.1).sum();
-        total += area;
-        for a in 0..4 {
-            match &el.upper {
-                None => *weights.entry(3 * el.lower[a] + 1).or_insert(0.0) += 2.0 * 0.25 * area,
-                Some(upper) => {
-                    *weights.entry(3 * el.lower[a] + 1).or_insert(0.0) -= 0.25 * area;
-                    *weights.entry(3 * upper[a] + 1).or_insert(0.0) += 0.25 * area;
-                }
-            }
-        }
-    }
-    weights
-        .into_iter()
-        .filter(|&(dof, _)| equation[dof] != NONE)
-        .map(|(dof, w): (usize, f64)| (equation[dof], w / total))
-        .collect()
 }

@@ -1,13 +1,19 @@
 //! Following the equilibrium path through limit points and snap-back.
 //!
-//! Pseudo-arc length in the plane of actuator displacement and mean opening. As a rig, the
-//! actuator stands still while the tear jumps: the path between the two equilibria is followed
-//! only to find the second one and the energy set free.
+//! Pseudo-arc length in the plane of actuator displacement and mean opening of the tear path; where that leads
+//! nowhere, the opening of the zone that softens ([`Measure`]). As a rig, the actuator stands still while the tear
+//! jumps: the path between the two equilibria is followed only to find the second one and the energy set free.
 
-use crate::equilibrium::{Border, Control, take_up, train_elongation};
+mod measure;
+mod walk;
+
+use crate::equilibrium::Control;
 use crate::error::FemError;
 use crate::march::{Jump, March, fresh_commit};
-use crate::state::{Guess, State};
+use crate::opening;
+use crate::state::State;
+pub(crate) use measure::Measure;
+use walk::Walk;
 
 /// Steps before a path is given up.
 const MOST_STEPS: usize = 4000;
@@ -15,104 +21,9 @@ const MOST_STEPS: usize = 4000;
 /// A jump is followed for its end, not for its shape: steps this many times longer than those of a traced path.
 const BOLD: f64 = 2.0;
 
-/// Unit tangent (actuator, mean opening) of the path at a converged state.
-fn tangent(m: &March, border: &Border, state: &State) -> [f64; 2] {
-    let mut scratch = m.state.history.train.clone();
-    let (_, e_slope) = train_elongation(
-        m.problem,
-        &m.local.train,
-        &m.context(1.0),
-        state.force,
-        &m.state.history.train,
-        &mut scratch,
-    );
-    let (_, s_slope) = take_up(m.problem, &m.local.takeup, state.actuator);
-    let du_a = (1.0 + e_slope * border.stiffness) / s_slope;
-    let dw: f64 = m.system.mean_opening.iter().map(|&(eq, w)| w * border.response[eq]).sum();
-    let norm = du_a.hypot(dw);
-    [du_a / norm, dw / norm]
-}
-
-/// A path in progress.
-struct Walk {
-    tangent: [f64; 2],
-    length: f64,
-    smallest: f64,
-    largest: f64,
-    rate: f64,
-    /// Previous state, its grip and actuator, and the arc between it and the present one.
-    before: Option<(Guess, f64, f64, f64)>,
-}
-
-impl Walk {
-    fn start(m: &mut March, direction: f64, length: f64, rate: f64) -> Result<Self, FemError> {
-        // The tangent at the present state: assemble and factorise there.
-        let mut here = m.state.clone();
-        let ctx = m.context(0.0);
-        let at = m.state.actuator;
-        let mut relaxed = m.options.newton;
-        relaxed.tolerance = relaxed.tolerance.max(1e-6);
-        let kept = std::mem::replace(&mut m.options.newton, relaxed);
-        let solved = m.newton(ctx, Control::Actuator(at), &mut here);
-        m.options.newton = kept;
-        let border = solved?.border(m.system, m.problem.multiplicity)?;
-        let mut t = tangent(m, &border, &here);
-        if t[0] * direction < 0.0 {
-            t = [-t[0], -t[1]];
-        }
-        Ok(Self { tangent: t, length, smallest: length * 1e-4, largest: length, rate, before: None })
-    }
-
-    /// One accepted step along the path.
-    fn step(&mut self, m: &mut March, target: Option<usize>) -> Result<(), FemError> {
-        loop {
-            let w = m.mean_opening(&m.state.u);
-            let control =
-                Control::Arc { from: [m.state.actuator, w], tangent: self.tangent, length: self.length };
-            let mut fresh = m.state.clone();
-            if let Some((before, grip, actuator, arc)) = &self.before {
-                let r = self.length / arc;
-                if let Some(g) = Guess::combined(&[(1.0 + r, &fresh.guess()), (-r, before)]) {
-                    fresh.begin_at(g);
-                }
-                fresh.grip += r * (fresh.grip - grip);
-                fresh.actuator += r * (fresh.actuator - actuator);
-            }
-            let dt = self.length / self.rate;
-            let attempt = m.newton(m.context(dt), control, &mut fresh).and_then(|mut c| {
-                let border = c.border(m.system, m.problem.multiplicity)?;
-                let next = tangent(m, &border, &fresh);
-                let along = next[0] * self.tangent[0] + next[1] * self.tangent[1];
-                // A turn of more than about 45° in one step would skip a branch.
-                if along.abs() < 0.7 && self.length > self.smallest {
-                    return Err(FemError::Singular);
-                }
-                Ok((c, border, if along < 0.0 { [-next[0], -next[1]] } else { next }))
-            });
-            match attempt {
-                Ok((c, border, next)) => {
-                    let kept = (m.state.guess(), m.state.grip, m.state.actuator, self.length);
-                    let time = m.state.time + dt;
-                    let held = self.tangent;
-                    fresh_commit(m, fresh, time, dt, target, c.iterations, Some(held), &border)?;
-                    self.before = Some(kept);
-                    self.tangent = next;
-                    if c.iterations <= 4 {
-                        self.length = (1.5 * self.length).min(self.largest);
-                    }
-                    return Ok(());
-                }
-                Err(e @ FemError::Setup(_)) => return Err(e),
-                Err(e) => {
-                    self.length *= 0.5;
-                    self.before = None;
-                    if self.length < self.smallest {
-                        return Err(e);
-                    }
-                }
-            }
-        }
-    }
+/// The measure of everything but walks.
+pub(crate) fn measure_by_arc(m: &mut March) {
+    m.system.opening = opening::mean(m.problem, &m.system.equation);
 }
 
 /// Forward component of the path's tangent below which it is walked rather than stepped: the tear opens nearly
@@ -124,7 +35,8 @@ const STEEP: f64 = 0.5;
 pub(crate) fn limit_ahead(m: &mut March, step: f64) -> bool {
     m.problem.path.is_some()
         && step * m.state.actuator > 0.0
-        && Walk::start(m, step.signum(), step.abs(), 1.0).is_ok_and(|walk| walk.tangent[0].abs() < STEEP)
+        && Walk::start(m, Measure::Arc, step.signum(), step.abs(), 1.0)
+            .is_ok_and(|walk| walk.tangent[0].abs() < STEEP)
 }
 
 /// `control = "path"`: follows the path until the actuator first reaches `to`, every step reported,
@@ -136,7 +48,7 @@ pub(crate) fn follow(m: &mut March, to: f64, dt: f64, target: usize) -> Result<(
     if m.problem.path.is_none() {
         return Err(FemError::Setup("path control needs a tear path".into()));
     }
-    let mut walk = Walk::start(m, direction, m.options.arc_step, rate)?;
+    let mut walk = Walk::start(m, Measure::Arc, direction, m.options.arc_step, rate)?;
     for _ in 0..MOST_STEPS {
         let ahead = (to - m.state.actuator) * direction;
         if walk.tangent[0] * direction * walk.length >= ahead && walk.tangent[0] * direction > 0.0 {
@@ -162,14 +74,14 @@ pub(crate) fn follow(m: &mut March, to: f64, dt: f64, target: usize) -> Result<(
 /// actuator displacement, drops the steps between, and records what was set free.
 ///
 /// Where the branch goes on without one, it ends on the way to the actuator displacement `to`.
-pub(crate) fn jump(m: &mut March, to: f64, length: f64, dt: f64) -> Result<(), FemError> {
+pub(crate) fn jump(m: &mut March, measure: Measure, to: f64, length: f64, dt: f64) -> Result<(), FemError> {
     let before = m.state.clone();
     let direction = (to - before.actuator).signum();
     let enough = (4.0 * length).min(0.4 * (to - before.actuator).abs());
     let first = m.run.steps.len();
     let kept_recent = m.run.states.len();
     let rate = length / dt.max(1e-9);
-    let mut walk = Walk::start(m, direction, length.max(1e-6), rate.max(1e-9))?;
+    let mut walk = Walk::start(m, measure, direction, length.max(1e-6), rate.max(1e-9))?;
     walk.largest = BOLD * m.options.arc_step.max(length);
     let mut farthest = before.actuator;
     let mut released = 0.0;

@@ -1,0 +1,128 @@
+//! Steps along the equilibrium path, one after the other.
+
+use super::measure::Measure;
+use crate::equilibrium::{Border, Control, take_up, train_elongation};
+use crate::error::FemError;
+use crate::march::{Along, March, fresh_commit};
+use crate::opening::Weights;
+use crate::state::{Guess, State};
+
+/// Changes (actuator, opening) per unit of grip displacement at a converged state.
+fn rates(m: &March, border: &Border, state: &State) -> [f64; 2] {
+    let mut scratch = m.state.history.train.clone();
+    let (_, e_slope) = train_elongation(
+        m.problem,
+        &m.local.train,
+        &m.context(1.0),
+        state.force,
+        &m.state.history.train,
+        &mut scratch,
+    );
+    let (_, s_slope) = take_up(m.problem, &m.local.takeup, state.actuator);
+    let du_a = (1.0 + e_slope * border.stiffness) / s_slope;
+    let dw: f64 = m.system.opening.iter().map(|&(eq, w)| w * border.response[eq]).sum();
+    [du_a, dw]
+}
+
+/// A path in progress.
+pub(super) struct Walk {
+    measure: Measure,
+    pub(super) tangent: [f64; 2],
+    pub(super) length: f64,
+    pub(super) smallest: f64,
+    pub(super) largest: f64,
+    rate: f64,
+    /// Previous state, its grip and actuator, and the arc between it and the present one.
+    before: Option<(Guess, f64, f64, f64)>,
+}
+
+impl Walk {
+    pub(super) fn start(
+        m: &mut March,
+        measure: Measure,
+        direction: f64,
+        length: f64,
+        rate: f64,
+    ) -> Result<Self, FemError> {
+        // The tangent at the present state: assemble and factorise there.
+        let mut here = m.state.clone();
+        let ctx = m.context(0.0);
+        let at = m.state.actuator;
+        let mut relaxed = m.options.newton;
+        relaxed.tolerance = relaxed.tolerance.max(1e-6);
+        let kept = std::mem::replace(&mut m.options.newton, relaxed);
+        let solved = m.newton(ctx, Control::Actuator(at), &mut here);
+        m.options.newton = kept;
+        let border = solved?.border(m.system, m.problem.multiplicity)?;
+        m.system.opening = measure.opening(m, &here);
+        let mut t = measure.tangent(rates(m, &border, &here));
+        let mut length = length;
+        match measure {
+            Measure::Arc if t[0] * direction < 0.0 => t = [-t[0], -t[1]],
+            Measure::Arc => {}
+            // As far as the actuator was to move.
+            Measure::Softening => length /= t[0].abs().max(1.0),
+        }
+        Ok(Self { measure, tangent: t, length, smallest: length * 1e-4, largest: length, rate, before: None })
+    }
+
+    /// The opening measured from a state on, and the tangent by it; `next` is that by the present one.
+    fn upcoming(&self, m: &mut March, at: &State, border: &Border, next: [f64; 2]) -> (Weights, [f64; 2]) {
+        let present = m.system.opening.clone();
+        if self.measure == Measure::Arc {
+            return (present, next);
+        }
+        m.system.opening = self.measure.opening(m, at);
+        let tangent = self.measure.tangent(rates(m, border, at));
+        (std::mem::replace(&mut m.system.opening, present), tangent)
+    }
+
+    /// One accepted step along the path.
+    pub(super) fn step(&mut self, m: &mut March, target: Option<usize>) -> Result<(), FemError> {
+        loop {
+            let w = m.opening(&m.state.u);
+            let held = self.measure.held(self.tangent);
+            let control = Control::Arc { from: [m.state.actuator, w], tangent: held, length: self.length };
+            let mut fresh = m.state.clone();
+            if let Some((before, grip, actuator, arc)) = &self.before {
+                let r = self.length / arc;
+                if let Some(g) = Guess::combined(&[(1.0 + r, &fresh.guess()), (-r, before)]) {
+                    fresh.begin_at(g);
+                }
+                fresh.grip += r * (fresh.grip - grip);
+                fresh.actuator += r * (fresh.actuator - actuator);
+            }
+            let dt = self.length / self.rate;
+            let attempt = m.newton(m.context(dt), control, &mut fresh).and_then(|mut c| {
+                let border = c.border(m.system, m.problem.multiplicity)?;
+                let next = self.measure.tangent(rates(m, &border, &fresh));
+                let next = self.measure.onward(next, self.tangent, self.length <= self.smallest)?;
+                Ok((c, border, next))
+            });
+            match attempt {
+                Ok((c, border, next)) => {
+                    let kept = (m.state.guess(), m.state.grip, m.state.actuator, self.length);
+                    let time = m.state.time + dt;
+                    // The step keeps the measure that held it; the next one has its own.
+                    let upcoming = self.upcoming(m, &fresh, &border, next);
+                    let along = Along { held, rates: [self.tangent[0], next[0]].map(|t| self.length * t) };
+                    fresh_commit(m, fresh, time, dt, target, c.iterations, Some(along), &border)?;
+                    (m.system.opening, self.tangent) = upcoming;
+                    self.before = Some(kept);
+                    if c.iterations <= 4 {
+                        self.length = (1.5 * self.length).min(self.largest);
+                    }
+                    return Ok(());
+                }
+                Err(e @ FemError::Setup(_)) => return Err(e),
+                Err(e) => {
+                    self.length *= 0.5;
+                    self.before = None;
+                    if self.length < self.smallest {
+                        return Err(e);
+                    }
+                }
+            }
+        }
+    }
+}
