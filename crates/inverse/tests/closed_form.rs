@@ -93,6 +93,9 @@ fn identifiable_is_a_threshold_on_the_sd_and_on_what_the_data_add_to_a_prior() {
     let informed = |i: f64| first((5.0 / i).sqrt(), Some(1.0), 1.0);
     close(informed(3.0).scaled_sd, 0.5);
     assert!(informed(1.05).identifiable && !informed(1.03).identifiable);
+    // With a prior of 2 the sd must come down to 1.4: 1/√(1/4 + i) at i = 0.2602.
+    let wide = |i: f64| first((5.0 / i).sqrt(), Some(2.0), 10.0);
+    assert!(wide(0.262).identifiable && !wide(0.258).identifiable);
     // Too far off for a standard error to mean anything.
     assert!(first(999.0 * 5f64.sqrt(), None, 0.5).std_error.is_some());
     assert!(first(1001.0 * 5f64.sqrt(), None, 0.5).std_error.is_none());
@@ -119,7 +122,7 @@ fn dense(d: &Data) -> (Vec<usize>, DMatrix<f64>, DMatrix<f64>, DMatrix<f64>) {
         let noise = &d.blocks[i / 5].noise;
         if i / 5 == j / 5 { noise.sd.powi(2) * noise.ar1.powi(i.abs_diff(j) as i32) } else { 0.0 }
     });
-    let mut columns = vec![d.nuisance[0].clone(), DVector::zeros(10)];
+    let mut columns = [d.nuisance[0].clone(), DVector::zeros(10)];
     columns[1].rows_mut(5, 5).copy_from(&d.blocks[1].noise.nuisance[0]);
     let total = columns.iter().fold(record.clone(), |sum, e| {
         let e = e.select_rows(&rows);
@@ -332,6 +335,22 @@ fn an_interval_at_a_bound_is_one_sided() {
     assert_eq!((narrow.interval_95, narrow.identifiable), ([3.0, 3.1], false));
 }
 
+/// What stands at a bound takes no part: one parameter is left, and the held one moves nothing but that.
+#[test]
+fn a_parameter_at_a_bound_costs_no_freedom_and_answers_to_nothing() {
+    let d = data(&truth(&Toy(5, line), &[1.0, 2.0]), NoiseModel::white(0.5));
+    let mut free = free(10.0);
+    (free[1].lower, free[1].start) = (3.0, 4.0);
+    let end = quiet(&Toy(5, line), &d, &free, &exactly(Objective::Whitened));
+    let q = quality(&d, &free, &end);
+    assert_eq!(q.parameters, 1);
+    close(q.freedom, 4.0);
+    close(q.chi2, 10.0 / 0.25);
+    let gain =
+        held_gain(&d, &free, &end, &DMatrix::from_fn(5, 1, |i, _| 1.0 + 3.0 * (i as f64 - 2.0))).unwrap();
+    same(&gain, &DMatrix::from_vec(2, 1, vec![-1.0, 0.0]));
+}
+
 /// In a logit the unit of an sd is a quarter of the interval, the largest slope of the coordinate.
 #[test]
 fn a_logit_at_its_end_is_measured_in_quarters() {
@@ -421,6 +440,10 @@ fn bounds_hold_what_pushes_outwards_and_nothing_else() {
     let end = quiet(&toy, &d, &bounded, &exactly(Objective::Whitened));
     let first = &end.history[1];
     assert!(first.accepted && first.theta[1] == 1.5 && (first.theta[0] - 2.0).abs() < 0.01, "{first:?}");
+    let mut bounded = free(10.0);
+    (bounded[1].lower, bounded[1].start) = (2.5, 5.0);
+    let first = &quiet(&toy, &d, &bounded, &exactly(Objective::Whitened)).history[1];
+    assert!(first.accepted && first.theta[1] == 2.5 && first.theta[0].abs() < 0.01, "{first:?}");
     for start in [-10.0, 10.0] {
         let free: Vec<Free> = free(10.0).into_iter().map(|f| Free { start, ..f }).collect();
         let end = quiet(&toy, &d, &free, &exactly(Objective::Whitened));
@@ -448,6 +471,8 @@ fn a_profile_starts_from_the_optimum_and_goes_on_from_its_neighbours() {
     let d = data(&truth(&toy.0, &[1.0, 2.0]), NoiseModel::white(0.1));
     let options = exactly(Objective::Whitened);
     let end = quiet(&toy, &d, &free(10.0), &options);
+    assert_eq!(end.forward_runs, toy.1.lock().unwrap().len());
+    assert_eq!(end.forward_runs, end.history.len());
     toy.1.lock().unwrap().clear();
     let points = profile(&toy, &d, &free(10.0), &end, 1, &[2.5, 3.0], &options).unwrap();
     let asked = toy.1.lock().unwrap();
