@@ -63,6 +63,22 @@ fuzz:
     FCT_CASES=2500000 cargo test --release -p input --test robust _panic
     FCT_CASES=100000 cargo test --release -p workspace-tests --test config_to_model
 
+# Changes the code of four crates, one place at a time, and asks their tests to notice (docs/reliability.md). Hours; needs `cargo install cargo-mutants --locked`. Without `--shard`: every mutant.
+mutants:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    # In a clone: the sources are changed where they stand.
+    rm -rf target/mutants && git clone -q . target/mutants && cd target/mutants
+    export CARGO_INCREMENTAL=1 CARGO_PROFILE_DEV_DEBUG=0 CARGO_PROFILE_DEV_OPT_LEVEL=0
+    export CARGO_TARGET_DIR="$PWD/target" PROPTEST_CASES=64 PROPTEST_DISABLE_FAILURE_PERSISTENCE=1
+    printf '[profile.dev.package."*"]\nopt-level = 1\n' >> .cargo/config.toml
+    # Exit codes 2 and 3 say that mutants were missed or timed out.
+    run() { mkdir -p "target/$1" && cargo mutants --in-place --sharding round-robin --baseline skip --build-timeout 240 -o "target/$1" -p "$1" --test-package "$@" || [ $? -le 3 ]; }
+    run hgo --shard 0/4 --timeout 30 -- --lib --tests
+    run cohesive --timeout 30 -- --lib --tests
+    run diagnose --shard 0/24 --timeout 60 -- --lib --tests -- --skip p_values_are --skip false_ --skip without_bias --skip steps_do_not
+    run inverse --shard 0/12 --timeout 60 -- --lib --tests -- --skip white_noise --skip autocorrelated_noise --skip plain_sum --skip numerical_error_of --skip second_stage
+
 # Identify, discover and batch killed 67 times each; full disk, vanished directory, two runs on one directory.
 kills:
     FCT_KILLS=67 cargo test --release -p fct-cli --test killed -- --nocapture

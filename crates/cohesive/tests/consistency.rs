@@ -168,6 +168,25 @@ fn zero_opening_has_the_initial_stiffness_and_no_nan() {
     }
 }
 
+/// At δn = 0 the tangent of the elements is that of the opening side, with and without shear; at zero there is no
+/// direction to soften along, so nothing is divided by δ.
+#[test]
+fn the_hand_tangent_at_first_contact_is_the_opening_side_and_finite() {
+    let p = [0.23, 0.2, 0.7, 10.0];
+    for o in [[0.0; 3], [0.0, 0.2, 0.1]] {
+        for old in [0.0, 0.5] {
+            let (force, a) = by_jets(&o, &p, old);
+            assert!(a[0][0] != p[PENALTY], "the sides must differ for this to tell them apart");
+            let (by_hand, tangent) =
+                Cohesive.hand_tangent(&Context::default(), &o, &p, &[old], &mut [0.0]).unwrap();
+            assert_eq!(by_hand, force);
+            for (x, want) in tangent.iter().flatten().zip(a.iter().flatten()) {
+                assert!((x - want).abs() <= 1e-14 * a[0][0], "{tangent:?} {a:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn closing_is_the_penalty_alone_and_keeps_the_tangential_law() {
     let p = [0.23, 0.2, 1.0, 10.0];

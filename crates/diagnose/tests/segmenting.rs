@@ -76,6 +76,47 @@ fn a_tear_has_onset_peak_plateau_and_tail() {
     assert_eq!(names(&s), ["load 1", "onset", "peak", "plateau", "tail"], "{s:?}");
 }
 
+/// Up to 1 in a hundred steps and down again at the same rate: each share of the peak is met by a point exactly.
+#[test]
+fn the_parts_of_a_tear_begin_at_their_shares_of_the_peak() {
+    let (t, u, _) = protocol(&[(0.1, 180)], 0.0);
+    let force: Vec<f64> = (0..=180).map(|i: i32| f64::from(i.min(200 - i)) / 100.0).collect();
+    let s = cut(&t, &u, &force, RecordKind::Tearing);
+    let said: Vec<_> = s.iter().map(|s| (s.name.as_str(), s.range.clone())).collect();
+    let want = [
+        ("toe", 0..5),
+        ("load 1", 5..80),
+        ("onset", 80..95),
+        ("peak", 95..106),
+        ("plateau", 106..151),
+        ("tail", 151..181),
+    ];
+    assert_eq!(said, want);
+}
+
+/// Noise of a third of what a step moves: corners within a few points, and no further ones.
+#[test]
+fn noise_of_the_displacement_makes_no_corners() {
+    let (t, u, ends) = protocol(&[(0.1, 60), (0.0, 60), (-0.1, 50), (0.1, 80)], 0.015);
+    let found = breaks(&t, &u);
+    assert_eq!(found.len(), 3, "{found:?}");
+    for (b, e) in found.iter().zip(&ends) {
+        assert!(b.abs_diff(e + 1) <= 3, "{found:?} {ends:?}");
+    }
+}
+
+#[test]
+fn corners_without_noise_are_found_exactly() {
+    let (t, u, ends) = protocol(&RICH, 0.0);
+    let exact: Vec<usize> = ends[..6].iter().map(|e| e + 1).collect();
+    assert_eq!(breaks(&t, &u), exact);
+    // A change of rate by less than a quarter or so is none.
+    let steps = |rate: f64| {
+        breaks(&protocol(&[(0.1, 60), (rate, 60)], 0.0).0, &protocol(&[(0.1, 60), (rate, 60)], 0.0).1)
+    };
+    assert_eq!((steps(0.125), steps(0.135)), (vec![], vec![61]));
+}
+
 #[test]
 fn degenerate_records_give_no_segments_and_no_panic() {
     assert!(cut(&[], &[], &[], RecordKind::Intact).is_empty());
