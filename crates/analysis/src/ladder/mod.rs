@@ -167,8 +167,9 @@ impl diagnose::Ladder for FeLadder<'_> {
                 self.rungs.insert(key.clone(), f);
             }
             let rung = self.rung(effects, &self.rungs[&key]);
+            let held_out = rung.held_out_chi2.map_or(String::new(), |h| format!(", held out {h:.2}"));
             (self.progress)(&format!(
-                "{}: reduced χ² {:.2} (with numerical error {:.2}), BIC {:.1}",
+                "{}: reduced χ² {:.2} (with numerical error {:.2}), BIC {:.1}{held_out}",
                 named(effects),
                 rung.reduced_chi2,
                 rung.reduced_chi2_total(),
