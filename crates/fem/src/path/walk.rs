@@ -63,6 +63,10 @@ impl Walk {
             // As far as the actuator was to move.
             Measure::Softening => length /= t[0].abs().max(1.0),
         }
+        // Where the grip moves no softening point, its opening measures nothing.
+        if length <= 0.0 || !t[0].is_finite() {
+            return Err(FemError::Singular);
+        }
         Ok(Self { measure, tangent: t, length, smallest: length * 1e-4, largest: length, rate, before: None })
     }
 
