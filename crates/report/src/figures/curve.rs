@@ -30,6 +30,32 @@ fn points<'a>(u: &'a [f64], f: &'a [f64]) -> impl Iterator<Item = (f64, f64)> + 
     u.iter().copied().zip(f.iter().copied())
 }
 
+/// Share of the axes' width and height that the names of record and model take.
+const NAMES: (f64, f64) = (0.22, 0.25);
+
+/// The corner in which the names of record and model hide least of them; the upper left one of several.
+fn emptiest(c: &Curve) -> SeriesLabelPosition {
+    let (x, y) = (span(&c.displacement), span(c.measured.iter().chain(&c.model)));
+    let share = |range: &std::ops::Range<f64>, v: f64| (v - range.start) / (range.end - range.start);
+    let hidden = |right: bool, upper: bool| {
+        let all = points(&c.displacement, &c.measured).chain(points(&c.displacement, &c.model));
+        all.filter(|&(u, f)| {
+            let (across, up) = (share(&x, u), share(&y, f));
+            let across = if right { 1.0 - across } else { across };
+            let up = if upper { 1.0 - up } else { up };
+            across < NAMES.0 && up < NAMES.1
+        })
+        .count()
+    };
+    let corners = [
+        (hidden(false, true), SeriesLabelPosition::UpperLeft),
+        (hidden(true, true), SeriesLabelPosition::UpperRight),
+        (hidden(true, false), SeriesLabelPosition::LowerRight),
+        (hidden(false, false), SeriesLabelPosition::LowerLeft),
+    ];
+    corners.into_iter().min_by_key(|c| c.0).map_or(SeriesLabelPosition::UpperLeft, |c| c.1)
+}
+
 fn force(area: &Area, c: &Curve) -> Drawn {
     let mut chart = ChartBuilder::on(area)
         .margin(10)
@@ -60,12 +86,7 @@ fn force(area: &Area, c: &Curve) -> Drawn {
         .draw_series(LineSeries::new(points(&c.displacement, &c.model), MODEL.stroke_width(2)))?
         .label("model")
         .legend(|(x, y)| PathElement::new([(x, y), (x + 20, y)], MODEL.stroke_width(2)));
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .background_style(PAPER)
-        .label_font(label)
-        .draw()?;
+    chart.configure_series_labels().position(emptiest(c)).background_style(PAPER).label_font(label).draw()?;
     Ok(())
 }
 
@@ -89,7 +110,7 @@ fn misfit(area: &Area, c: &Curve) -> Drawn {
         .label_style((FONT, 15).into_font().color(&INK))
         .x_label_formatter(&tick)
         .y_label_formatter(&tick)
-        .y_labels(3)
+        .y_labels(5)
         .x_desc("displacement (mm)")
         .y_desc("misfit (N)")
         .draw()?;
