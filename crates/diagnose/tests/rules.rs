@@ -2,10 +2,11 @@
 //! is about, and what was fitted at all can be asked.
 #![allow(missing_docs)]
 
+mod tables;
+
 use diagnose::*;
 use std::collections::BTreeMap;
-
-const POINTS: f64 = 720.0;
+use tables::*;
 
 /// χ² of each set of effects (joined by `+`, in alphabetical order), and what the screen at each says.
 #[derive(Default)]
@@ -39,28 +40,6 @@ impl Table {
 
     fn search(mut self, policy: &Policy) -> Discovery {
         discover(&mut self, policy, &mut |_| ()).expect("the base model is in the table")
-    }
-}
-
-fn finding(effect: &str, fall: f64) -> Finding {
-    Finding {
-        effect: effect.into(),
-        amplitudes: vec![("amount".into(), 0.1)],
-        std_errors: vec![0.01],
-        shape: vec![],
-        shape_index: 0,
-        fall,
-        expected_fall: fall / POINTS,
-        p_value: 1e-9,
-        p_bonferroni: 1e-9,
-        q_value: 1e-8,
-        visibility: 0.5,
-        snr: 20.0,
-        visible: true,
-        significant: true,
-        look_alikes: vec![],
-        refit_only: false,
-        set_aside: false,
     }
 }
 

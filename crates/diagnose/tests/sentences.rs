@@ -1,6 +1,8 @@
 //! What is said to a user: every kind of sentence, whole, with the numbers that belong in it.
 #![allow(missing_docs)]
 
+mod tables;
+
 use diagnose::atlas::SegmentMisfit;
 use diagnose::dependence::Dependence;
 use diagnose::*;
@@ -62,21 +64,8 @@ fn a_finding_is_one_of_five_sentences() {
 }
 
 fn rung(effects: &[&str], chi2: f64) -> Rung {
-    Rung {
-        effects: effects.iter().map(|e| (*e).to_owned()).collect(),
-        parameters: 3,
-        points: 100,
-        rms: 0.1,
-        reduced_chi2: chi2 / 100.0,
-        chi2_total: chi2,
-        freedom: 100.0,
-        bic: chi2,
-        aicc: chi2,
-        held_out_chi2: None,
-        held_out_points: 0,
-        held_out_rms: None,
-        structure_p: 1.0,
-    }
+    let (freedom, reduced_chi2) = (100.0, chi2 / 100.0);
+    Rung { points: 100, freedom, reduced_chi2, rms: 0.1, bic: chi2, ..tables::rung(effects, chi2, 3) }
 }
 
 fn ended(verdict: Verdict, found: &[&str], last: f64) -> Discovery {

@@ -114,7 +114,10 @@ fn a_tear_that_the_mesh_does_not_resolve_goes_on_element_by_element() {
     let run = torn(n as usize, 20.0);
     let landed: Vec<f64> = run.steps.iter().filter(|s| s.after_jump).map(length).collect();
     let lengths: Vec<String> = landed.iter().map(|a| format!("{a:.2}")).collect();
-    println!("landed at {} mm, closure {:.1e}", lengths.join(", "), worst_closure(&run));
+    let grown: Vec<f64> = at_targets(&run).filter(|s| length(s) > A0 + 1.5).map(release).collect();
+    let mean = grown.iter().sum::<f64>() / grown.len() as f64;
+    let (at, closure) = (lengths.join(", "), worst_closure(&run));
+    println!("landed at {at} mm, closure {closure:.1e}, G/Gc in growth {mean:.2}");
     assert!(landed.len() > 3, "{} jumps", landed.len());
     for (a, b) in landed.iter().zip(&landed[1..]) {
         assert!((b - a - size).abs() < 0.05 * size, "a jump by {} mm", b - a);

@@ -204,23 +204,14 @@ impl March<'_> {
         };
         let mut why = failed;
         for measure in measures {
-            let mark = self.mark();
-            let walked = path::jump(self, measure, target.actuator, step.abs(), dt);
-            path::measure_by_arc(self);
-            match walked {
-                Ok(()) => {
-                    self.measure = measure;
-                    return Ok(true);
-                }
-                Err(e) => {
-                    // What was walked is no answer of the rig.
-                    self.back_to(mark);
-                    let given_up = matches!(e, FemError::Setup(_));
+            match self.jumped(measure, target, step, dt) {
+                Ok(()) => return Ok(true),
+                // Out of iterations, or stopped: another way would be no better off.
+                Err(e @ FemError::Setup(_)) => {
                     why = e;
-                    if given_up {
-                        break;
-                    }
+                    break;
                 }
+                Err(e) => why = e,
             }
         }
         if tired {
@@ -229,6 +220,19 @@ impl March<'_> {
         // Too early: shorter steps may still find the way.
         *lost = true;
         Ok(false)
+    }
+
+    /// Walks by a measure to the end of a jump, or not at all; the measure that led on is kept.
+    fn jumped(&mut self, measure: Measure, target: &Target, step: f64, dt: f64) -> Result<(), FemError> {
+        let mark = self.mark();
+        let walked = path::jump(self, measure, target.actuator, step.abs(), dt);
+        path::measure_by_arc(self);
+        match &walked {
+            Ok(()) => self.measure = measure,
+            // What was walked is no answer of the rig.
+            Err(_) => self.back_to(mark),
+        }
+        walked
     }
 
     pub(crate) fn opening(&self, u: &[f64]) -> f64 {
