@@ -15,17 +15,15 @@ pub(crate) const START_NOISE: f64 = 0.03;
 /// How much coarser than the given mesh the search for the start is.
 const COARSEN: f64 = 3.0;
 
-/// The same once there are several areas.
-const LEVEL_COARSEN: f64 = 2.0;
-
-/// Fits one area on a coarse mesh. Returns the whole one-area model with its values, or `None`
+/// Fits one area on a coarse mesh, then more of them. Returns the finest of these models with its values, then the one-area
+/// model with its own, or `None`
 /// when the file gives each area its own start, or there is nothing to do.
 fn one_area(
     case: &Arc<Case>,
     catalogue: &Catalogue,
     work: &mut Work,
     list: &[StagePlan],
-) -> Result<Option<Start>, AnalysisError> {
+) -> Result<Option<Vec<Start>>, AnalysisError> {
     let interface = &case.interface;
     let tearing = case.tests.iter().any(|t| t.kind == TestKind::Tearing && t.record.is_some());
     if !tearing || interface.gc.len() > 1 || interface.sigma_c.len() > 1 || case.mesh.divisions.is_some() {
@@ -146,31 +144,33 @@ fn bulk_starts(
 }
 
 /// Two areas, four, …: each level starts from the one before, so that the strengths find their
-/// place along the path before they are many.
+/// place along the path before they are many. That place may be an optimum of few areas only: the one area they came
+/// of is handed on as a second start, after the last level.
 fn refine(
-    mut start: Start,
+    start: Start,
     case: &Case,
     areas: usize,
     catalogue: &Catalogue,
     work: &mut Work,
     tests: &[bool],
-) -> Result<Start, AnalysisError> {
-    let how = Discretisation { coarsen: LEVEL_COARSEN, ..Discretisation::default() };
+) -> Result<Vec<Start>, AnalysisError> {
+    let mut finest: Option<Start> = None;
+    let how = Discretisation { coarsen: COARSEN, ..Discretisation::default() };
     let mut m = 2;
     while m < areas {
         let level =
             Case { interface: input::InterfaceConfig { areas: m, ..case.interface.clone() }, ..case.clone() };
-        let Ok(model) = Model::new(Arc::new(level), catalogue, how) else { return Ok(start) };
+        let Ok(model) = Model::new(Arc::new(level), catalogue, how) else { break };
         work.theta = model.theta();
-        spread(&model, &start, &mut work.theta);
+        spread(&model, finest.as_ref().unwrap_or(&start), &mut work.theta);
         let free = model.free_on(model::Site::Interface);
         if work.stage(&model, Stage::Interface, &free, tests, true).is_err() {
-            return Ok(start);
+            break;
         }
-        start = Start { theta: work.theta.clone(), model };
+        finest = Some(Start { theta: work.theta.clone(), model });
         m *= 2;
     }
-    Ok(start)
+    Ok(finest.into_iter().chain([start]).collect())
 }
 
 /// The start of a joint search on a case: the bulk from the uniaxial tests, one area for the tear.
@@ -184,20 +184,20 @@ pub(crate) fn for_case(
     let mut work = Work::new(case, fine.theta(), options, control);
     work.literature = case.identify.priors.literature.unwrap_or(true);
     let list = crate::identify::stages(&fine, input::Mode::Staged);
-    find(case, catalogue, &mut work, &list)
+    Ok(find(case, catalogue, &mut work, &list)?.and_then(|levels| levels.into_iter().next()))
 }
 
-/// A start for a search: one area for the tear; else, where the file's own values do not lead to the end of a record, one
+/// Starts for a search, the first first: few areas for the tear; else, where the file's own values do not lead to the end of a record, one
 /// that does.
 pub(crate) fn find(
     case: &Arc<Case>,
     catalogue: &Catalogue,
     work: &mut Work,
     list: &[StagePlan],
-) -> Result<Option<Start>, AnalysisError> {
+) -> Result<Option<Vec<Start>>, AnalysisError> {
     match one_area(case, catalogue, work, list)? {
-        Some(start) => Ok(Some(start)),
-        None => crate::reach::reaching(case, catalogue, work),
+        Some(levels) => Ok(Some(levels)),
+        None => Ok(crate::reach::reaching(case, catalogue, work)?.map(|start| vec![start])),
     }
 }
 
@@ -205,6 +205,15 @@ pub(crate) fn find(
 pub(crate) struct Start {
     pub theta: Vec<f64>,
     pub model: Model,
+}
+
+impl Start {
+    /// `theta` with what the start says about it.
+    pub fn spread_from(&self, fine: &Model, theta: &[f64]) -> Vec<f64> {
+        let mut theta = theta.to_vec();
+        spread(fine, self, &mut theta);
+        theta
+    }
 }
 
 /// Copies the start into the parameters of the real model: the same path, or the value of the

@@ -1,13 +1,14 @@
 //! Bounded Levenberg–Marquardt with a true-objective acceptance test.
 //!
-//! Marquardt's scaling (a fit does not depend on the units of a parameter), Nielsen's gain-ratio
-//! damping (IMM-REP-1999-05), an active set for the bounds, and a box around each step in the
-//! transformed coordinates, so that a direction that the data do not fix (a *sloppy* one, Transtrum,
-//! Machta & Sethna 2011) cannot run to infinity.
+//! Marquardt's scaling (a fit does not depend on the units of a parameter), steps as long as the trials
+//! before them allow (`reach`) and bent with the valley they follow (`bend`), an active set for the
+//! bounds, and a box around each step in the transformed coordinates, so that a direction that the data
+//! do not fix (a *sloppy* one, Transtrum, Machta & Sethna 2011) cannot run to infinity.
 
-use crate::bend::bent_step;
+use crate::bend::{Last, bent_step};
 use crate::linalg::Reduced;
-use crate::step::{Damping, Step, StepBox, bounded_step, moves, scaled};
+use crate::reach::Reach;
+use crate::step::{StepBox, bounded_step, length, moves};
 use crate::whiten::{Whitened, Whitener};
 use crate::{Data, Fit, FitError, FitOptions, Free, Iterate, PredictError, Prediction, Problem, StopReason};
 use nalgebra::DVector;
@@ -86,7 +87,8 @@ impl<P: Problem + ?Sized> Search<'_, P> {
             return Ok(self.finish(state, 0, StopReason::NothingFree));
         }
         let zero = 1e-24 * self.objective_map.apply(&self.data.measured()).norm_squared();
-        let mut damping = Damping::new(self.options.initial_damping);
+        let mut reach = Reach::new(self.options.initial_damping);
+        let mut last: Option<Last> = None;
         let (mut small, mut idle) = (0, 0);
         for iteration in 1..=self.options.max_iterations {
             if state.f <= zero {
@@ -95,7 +97,7 @@ impl<P: Problem + ?Sized> Search<'_, P> {
             if self.promise(&state) <= 1e-3 * self.options.tolerance {
                 return Ok(self.finish(state, iteration - 1, StopReason::Stationary));
             }
-            let next = match self.advance(&state, iteration, &mut damping, observer)? {
+            let next = match self.advance(&state, iteration, &mut reach, last.as_ref(), observer)? {
                 Advance::To(next) => *next,
                 Advance::Stop(best, reason) => {
                     let settled = reason == StopReason::NoDescent
@@ -107,6 +109,7 @@ impl<P: Problem + ?Sized> Search<'_, P> {
             };
             let change = (state.f - next.f) / state.f;
             let told = (state.f - next.f) / self.unit();
+            last = state.system.take().map(|s| Last { dz: &next.z - &state.z, whitened: s.whitened });
             state = next;
             idle = if told < self.options.insignificant { idle + 1 } else { 0 };
             if idle >= 3 {
@@ -156,21 +159,23 @@ impl<P: Problem + ?Sized> Search<'_, P> {
         &mut self,
         state: &State,
         iteration: usize,
-        damping: &mut Damping,
+        reach: &mut Reach,
+        last: Option<&Last>,
         observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
     ) -> Result<Advance, FitError> {
         let Some(System { whitened, reduced: system, scale: d }) = &state.system else {
             return Err(FitError::Contract("no jacobian although it was asked for".into()));
         };
         let space = self.step_box(state);
-        damping.shorten = (2.0 * damping.shorten).min(1.0);
-        let mut bent: Option<Step> = None;
         for trial in 0..self.options.max_trials {
-            let lambda = damping.lambda;
-            let straight = bent.is_none();
-            let step = bent
-                .take()
-                .unwrap_or_else(|| scaled(bounded_step(system, d, lambda, &space), damping.shorten, system));
+            let mut step = reach.step(system, d, &space);
+            let defect = last.and_then(|l| l.defect(whitened, d, &step.dz));
+            if let Some(bent) =
+                defect.and_then(|q| bent_step(whitened, d, reach.lambda, &space, &step.dz, &q))
+            {
+                step = bent;
+            }
+            let (lambda, far) = (reach.lambda, length(&step.dz, d));
             // Many trials are for steps that promise something.
             let worth = self.options.tolerance * if trial < FEW_TRIALS { 1e-3 } else { 1.0 };
             if step.fall <= worth * state.f || !moves(&state.z, &step.dz) {
@@ -178,7 +183,7 @@ impl<P: Problem + ?Sized> Search<'_, P> {
             }
             match self.evaluate(&state.z + &step.dz, self.options.jacobian_with_trial) {
                 Ok(next) if next.f < state.f => {
-                    damping.accept((state.f - next.f) / step.fall);
+                    reach.learn(step.fall, Some(state.f - next.f), far);
                     let flow = self.record(iteration, Ok(&next), true, lambda, observer);
                     let next = self.with_jacobian(next)?;
                     return Ok(match (flow, next) {
@@ -188,21 +193,14 @@ impl<P: Problem + ?Sized> Search<'_, P> {
                     });
                 }
                 Ok(next) => {
-                    if straight && damping.shorten >= 1.0 {
-                        let there = self.whitened_misfit(whitened, &next);
-                        bent = bent_step(whitened, d, lambda, &space, &step.dz, &there)
-                            .filter(|s| s.fall > self.options.tolerance * state.f);
-                    }
-                    if bent.is_none() {
-                        damping.reject();
-                    }
+                    reach.learn(step.fall, Some(state.f - next.f), far);
                     if self.record(iteration, Ok(&next), false, lambda, observer).is_break() {
                         return Ok(Advance::Stop(None, StopReason::Stopped));
                     }
                 }
                 Err(Failure::Fatal(e)) => return Err(e),
                 Err(Failure::Model(e)) => {
-                    damping.shorten *= 0.25;
+                    reach.learn(step.fall, None, far);
                     let theta = self.physical(&(&state.z + &step.dz));
                     let flow = self.record(iteration, Err(theta), false, lambda, observer);
                     if flow.is_break() || e == PredictError::Interrupted {
@@ -212,20 +210,6 @@ impl<P: Problem + ?Sized> Search<'_, P> {
             }
         }
         Ok(Advance::Stop(None, StopReason::NoDescent))
-    }
-
-    /// Misfit and priors at another point, on the rows of the linearised problem.
-    fn whitened_misfit(&self, here: &Whitened, there: &State) -> DVector<f64> {
-        let mut out = here.r.clone();
-        let data = here.whitener.apply(&self.data.misfit(&there.prediction.values));
-        out.rows_mut(0, data.len()).copy_from(&data);
-        let first = out.len() - here.prior_rows;
-        for (row, k) in (0..self.free.len()).filter(|&k| self.free[k].prior.is_some()).enumerate() {
-            if let Some(prior) = self.free[k].prior {
-                out[first + row] = here.jacobian[(first + row, k)] * (prior.mean - there.z[k]);
-            }
-        }
-        out
     }
 
     /// The jacobian at an accepted point, where the trial was run without.

@@ -12,6 +12,7 @@ mod problem;
 mod profile;
 mod quality;
 mod random;
+mod reach;
 mod sloppy;
 mod staged;
 mod step;

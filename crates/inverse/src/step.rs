@@ -62,38 +62,9 @@ pub(crate) fn bounded_step(system: &Reduced, d: &DVector<f64>, lambda: f64, spac
     Step { dz: DVector::zeros(p), fall: 0.0 }
 }
 
-/// Nielsen's damping, and how far steps are shortened where the model cannot be computed.
-pub(crate) struct Damping {
-    pub lambda: f64,
-    growth: f64,
-    pub shorten: f64,
-}
-
-impl Damping {
-    pub fn new(lambda: f64) -> Self {
-        Self { lambda, growth: 2.0, shorten: 1.0 }
-    }
-
-    pub fn accept(&mut self, gain: f64) {
-        let factor = (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(1.0 / 10.0, 2.0);
-        self.lambda = (self.lambda * factor).max(1e-12);
-        self.growth = 2.0;
-    }
-
-    pub fn reject(&mut self) {
-        self.lambda *= self.growth;
-        self.growth *= 2.0;
-    }
-}
-
-/// The step shortened by `factor`, with the fall that is left.
-pub(crate) fn scaled(step: Step, factor: f64, system: &Reduced) -> Step {
-    if factor >= 1.0 {
-        return step;
-    }
-    let dz = step.dz * factor;
-    let fall = system.fall(&dz);
-    Step { dz, fall }
+/// √Σ d dz²: the length of a step in Marquardt's scale.
+pub(crate) fn length(dz: &DVector<f64>, d: &DVector<f64>) -> f64 {
+    dz.iter().zip(d.iter()).map(|(z, d)| d * z * z).sum::<f64>().sqrt()
 }
 
 /// Whether a step changes any coordinate beyond rounding.

@@ -139,7 +139,9 @@ fn stop_reasons_are_told_apart() {
     let d_exact = data(&exact, NoiseModel::white(0.05));
     let to_the_end = FitOptions { insignificant: 0.0, ..options.clone() };
     assert_eq!(quiet(&toy, &d_exact, &free, &to_the_end).stop, StopReason::Exact);
-    assert_eq!(quiet(&toy, &d_exact, &free, &options).stop, StopReason::Insignificant);
+    let anything = FitOptions { insignificant: 1e9, ..options.clone() };
+    let idle = quiet(&toy, &d_exact, &free, &anything);
+    assert_eq!((idle.stop, idle.iterations), (StopReason::Insignificant, 3));
     assert_eq!(
         quiet(&Toy(40, |i, _: &[f64]| (i as f64, vec![])), &d, &[], &options).stop,
         StopReason::NothingFree

@@ -3,6 +3,7 @@
 use super::work::Work;
 use super::{AnalysisError, Stage};
 use input::{Case, Mode, TestKind};
+use inverse::{FitError, PredictError};
 use model::{Catalogue, Model, Site};
 use std::sync::Arc;
 
@@ -61,15 +62,16 @@ impl Search<'_> {
         let before = work.stopped.len();
         let coarse = self.coarse.filter(|_| self.case.identify.coarse_first);
         work.coarse_level = coarse.is_some();
+        let mut starts = vec![work.theta.clone()];
         if self.case.identify.coarse_first
-            && let Some(start) = crate::start::find(self.case, self.catalogue, work, list)?
+            && let Some(found) = crate::start::find(self.case, self.catalogue, work, list)?
         {
-            crate::start::spread(self.fine, &start, &mut work.theta);
+            starts = found.iter().map(|s| s.spread_from(self.fine, &work.theta)).collect();
         }
         if let Some(coarse) = coarse {
-            for (stage, free, tests) in list {
-                work.stage(coarse, *stage, free, tests, true)?;
-            }
+            self.coarsely(coarse, work, list, starts)?;
+        } else if let Some(theta) = starts.into_iter().next() {
+            work.theta = theta;
         }
         work.stopped.truncate(before);
         work.held = None;
@@ -79,6 +81,39 @@ impl Search<'_> {
         let straight = near && list.iter().any(|s| s.0 == Stage::Joint);
         for (stage, free, tests) in list.iter().filter(|s| !straight || s.0 == Stage::Joint) {
             work.stage(self.fine, *stage, free, tests, false)?;
+        }
+        Ok(())
+    }
+
+    /// The stages on the coarse mesh, from each start; the end with the least objective goes on. A start from which
+    /// the model cannot be computed does not count, as long as there is another.
+    fn coarsely(
+        &self,
+        coarse: &Model,
+        work: &mut Work,
+        list: &[StagePlan],
+        starts: Vec<Vec<f64>>,
+    ) -> Result<(), AnalysisError> {
+        let mut best: Option<(f64, Vec<f64>)> = None;
+        let mut failed = None;
+        for theta in starts {
+            work.theta = theta;
+            let end = list.iter().try_fold(f64::INFINITY, |_, (stage, free, tests)| {
+                work.stage(coarse, *stage, free, tests, true)
+            });
+            match end {
+                Ok(f) if best.as_ref().is_none_or(|b| f < b.0) => best = Some((f, work.theta.clone())),
+                Ok(_) => {}
+                Err(AnalysisError::Fit(FitError::Start(PredictError::NotComputable(why)))) => {
+                    failed = Some(AnalysisError::Fit(FitError::Start(PredictError::NotComputable(why))));
+                }
+                Err(e) => return Err(e),
+            }
+        }
+        match (best, failed) {
+            (Some((_, theta)), _) => work.theta = theta,
+            (None, Some(e)) => return Err(e),
+            (None, None) => {}
         }
         Ok(())
     }
