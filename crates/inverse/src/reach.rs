@@ -4,8 +4,8 @@
 //! fourth power: a step is worth its promise less q l⁴, and every trial measures q. Damping itself says
 //! little about length: in a sloppy valley the same damping stands for steps that differ tenfold, and
 //! what the valley's bend limits is the length. (Trust regions, Moré 1978, Numerical Analysis, Springer
-//! LNM 630, control the length by a ratio alone; on the tears of this workspace q stays within a decade
-//! over four decades of promise, docs/performance.md.)
+//! LNM 630, control the length by a ratio alone; on a tear of this workspace q hardly changed while promises
+//! fell by four orders, docs/performance.md.)
 
 use crate::linalg::Reduced;
 use crate::step::{Step, StepBox, bounded_step, length};
