@@ -13,8 +13,9 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-/// Relative fall of χ² that is worth another step of the search.
-pub(super) const TOLERANCE: f64 = 3e-3;
+/// Relative fall of χ² that is worth another step of the search. Steps are as long as they are safe: a little fall
+/// is a short step more often than the end.
+pub(super) const TOLERANCE: f64 = 1e-3;
 
 /// The same while the model is far from the record: what is left then is not for its parameters to explain.
 const COARSE_TOLERANCE: f64 = 2e-2;
