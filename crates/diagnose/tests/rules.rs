@@ -57,22 +57,9 @@ impl Ladder for Table {
         self.hinted.push((joined(effects), promises));
         let chi2 = *self.chi2.get(joined(effects).as_str()).ok_or("not in the table")?;
         let parameters = 13 + effects.len();
-        let freedom = POINTS - parameters as f64;
-        Ok(Rung {
-            effects: effects.to_vec(),
-            parameters,
-            points: POINTS as usize,
-            rms: 0.01,
-            reduced_chi2: if self.leaning { 3.0 } else { chi2 / freedom },
-            chi2_total: chi2,
-            freedom,
-            bic: chi2 + parameters as f64 * POINTS.ln(),
-            aicc: chi2 + 2.0 * parameters as f64,
-            held_out_chi2: None,
-            held_out_points: 0,
-            held_out_rms: None,
-            structure_p: 1.0,
-        })
+        let names: Vec<&str> = effects.iter().map(String::as_str).collect();
+        let plain = rung(&names, chi2, parameters);
+        Ok(Rung { reduced_chi2: if self.leaning { 3.0 } else { plain.reduced_chi2 }, ..plain })
     }
 
     fn screen(&mut self, rung: &Rung) -> Result<Screen, String> {

@@ -70,9 +70,10 @@ impl Reach {
         best.2
     }
 
-    /// What a step of this length came to, `None` where the model cannot be computed at its end.
+    /// What a step of this length came to, `None` where the model cannot be computed at its end; a misfit whose square
+    /// overflows is none either.
     pub fn learn(&mut self, promise: f64, actual: Option<f64>, length: f64) {
-        let Some(actual) = actual else {
+        let Some(actual) = actual.filter(|a| a.is_finite()) else {
             self.cap = AFTER_NO_ANSWER * length;
             self.quartic.get_or_insert(0.0);
             return;
