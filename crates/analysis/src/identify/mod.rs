@@ -16,7 +16,7 @@ use input::Case;
 use inverse::{Fit, FitError, Free, Iterate, Noise, PredictError, Quality, Uncertainty, Whitened};
 use model::{BuildError, Catalogue, Discretisation, Model, RunOptions};
 use nalgebra::DVector;
-use search::{Search, UNEXPLAINED, staged};
+use search::{Search, staged};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -174,7 +174,7 @@ pub fn identify(
     }
     let search = Search { case: &case, catalogue, fine: &fine, coarse: coarse.as_ref() };
     search.run(&mut work, &list)?;
-    if case.identify.release_bulk && staged(&list) && work.tear_left > UNEXPLAINED {
+    if case.identify.release_bulk && staged(&list) && work.tear_left.unexplained() {
         list.extend(search.release(&mut work));
     }
     work.finish(fine, coarse, measured, &list)

@@ -7,9 +7,7 @@ use inverse::{FitError, PredictError};
 use model::{Catalogue, Model, Site};
 use std::sync::Arc;
 
-/// A larger χ² per point of the tear is not explained by the stages.
-pub(super) const UNEXPLAINED: f64 = 2.0;
-/// Everything at once helps where it leaves this share of that, at most.
+/// Everything at once helps where it leaves this share of what the stages left beyond noise, at most.
 const HELPED: f64 = 0.5;
 
 /// A stage, its parameters, its tests.
@@ -128,14 +126,15 @@ impl Search<'_> {
         work.theta = self.fine.theta();
         let list = stages(self.fine, Mode::Joint);
         // A search that cannot begin helps as little; one that the user stops ends at the closing run.
-        if self.run(work, &list).is_err() || work.tear_left > HELPED * before {
+        if self.run(work, &list).is_err() || work.tear_left.excess() > HELPED * before.excess() {
             (work.theta, work.held, work.starts) = (theta, held, starts);
             work.stopped.truncate(stopped);
             return None;
         }
         if let Some(last) = work.stopped.last_mut() {
             last.1 = format!(
-                "The intact strip's bulk left the tear at χ² {before:.1} per point: everything was fitted to all records. {}",
+                "The intact strip's bulk left the tear at χ² {:.2} per point: everything was fitted to all records. {}",
+                before.per_point(),
                 last.1
             );
         }

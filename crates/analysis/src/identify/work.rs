@@ -46,8 +46,8 @@ pub(crate) struct Work<'a> {
     pub(super) starts: Option<String>,
     /// Whether there is a coarse mesh to begin on.
     pub(super) coarse_level: bool,
-    /// χ² per point that the latest stage left of the tearing records, if it saw them.
-    pub(super) tear_left: f64,
+    /// What the latest stage left of the tearing records.
+    pub(super) tear_left: Left,
 }
 
 /// Free parameters as the optimiser sees them, at θ.
@@ -55,17 +55,43 @@ pub fn frees(model: &Model, theta: &[f64], free: &[usize]) -> Vec<Free> {
     free.iter().map(|&i| Free { start: theta[i], ..Free::of(&model.parameters[i]) }).collect()
 }
 
-/// χ² per point of the tearing records, with their noise as if it were white; none: not a number.
-fn tear_left(model: &Model, measured: &Measured, fit: &Fit) -> f64 {
-    let misfit = measured.data.misfit(&fit.prediction.values);
-    let (mut chi2, mut points) = (0.0, 0.0);
-    for (slot, block) in measured.slots.iter().zip(&measured.data.blocks) {
-        if model.tests[slot.test].test.kind == TestKind::Tearing && slot.channel == Channel::Force {
-            chi2 += block.range.clone().map(|i| (misfit[i] / block.noise.sd).powi(2)).sum::<f64>();
-            points += block.range.len() as f64;
+/// Standard deviations of χ² that are left to chance.
+const CHANCE: f64 = 3.0;
+
+/// χ² of the tearing records that a fit left, with their noise as if it were white.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Left {
+    chi2: f64,
+    points: f64,
+}
+
+impl Left {
+    fn of(model: &Model, measured: &Measured, fit: &Fit) -> Self {
+        let misfit = measured.data.misfit(&fit.prediction.values);
+        let mut left = Self::default();
+        for (slot, block) in measured.slots.iter().zip(&measured.data.blocks) {
+            if model.tests[slot.test].test.kind == TestKind::Tearing && slot.channel == Channel::Force {
+                left.chi2 += block.range.clone().map(|i| (misfit[i] / block.noise.sd).powi(2)).sum::<f64>();
+                left.points += block.range.len() as f64;
+            }
         }
+        left
     }
-    chi2 / points
+
+    /// Per point; no record of a tear: not a number.
+    pub fn per_point(self) -> f64 {
+        self.chi2 / self.points
+    }
+
+    /// What noise alone does not leave.
+    pub fn excess(self) -> f64 {
+        self.chi2 - self.points
+    }
+
+    /// Whether noise alone would not leave as much.
+    pub fn unexplained(self) -> bool {
+        self.excess() > CHANCE * (2.0 * self.points).sqrt()
+    }
 }
 
 impl<'a> Work<'a> {
@@ -84,7 +110,7 @@ impl<'a> Work<'a> {
             coarse_noise: 0.0,
             starts: None,
             coarse_level: false,
-            tear_left: f64::NAN,
+            tear_left: Left::default(),
         }
     }
 
@@ -168,7 +194,7 @@ impl<'a> Work<'a> {
         if !coarse {
             self.iterations = self.iterations.max(fit.iterations);
         }
-        self.tear_left = tear_left(model, &measured, &fit);
+        self.tear_left = Left::of(model, &measured, &fit);
         self.stopped.push((stage, fit.stop.sentence().to_owned(), fit.stop.converged()));
         if stage == Stage::Bulk && !coarse {
             self.held = Some(());

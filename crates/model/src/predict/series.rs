@@ -77,7 +77,7 @@ impl Model {
         }
         let delayed = |shift: f64| {
             let time = (place.time - shift).max(start);
-            if shift == 0.0 { place } else { run.plan.place(time, run.plan.displacement_at(time)) }
+            if shift == 0.0 { place } else { run.plan.place(time, displacement_at(record, time)) }
         };
         let at = |p: Place| -> Result<(f64, Vec<f64>, bool), FemError> {
             let s = run.plan.stencil(index, &run.run, &p).ok_or_else(|| missing(&run.run))?;
@@ -94,7 +94,7 @@ impl Model {
         };
         let (mut value, mut by, smooth) = at(delayed(late))?;
         if late_by.iter().any(|d| *d != 0.0) {
-            let h = 0.05 * (record.time[record.time.len() - 1] - start) / record.time.len() as f64;
+            let h = 1e-4 * (record.time[record.time.len() - 1] - start) / record.time.len() as f64;
             // From the past: a cell can only be late.
             let slope = (value - at(delayed(late + h))?.0) / h;
             for (b, d) in by.iter_mut().zip(&late_by) {
@@ -201,6 +201,14 @@ fn missing(run: &Run) -> FemError {
     run.failure
         .clone()
         .unwrap_or_else(|| FemError::Setup("the run does not reach every point of the record".into()))
+}
+
+/// The measured displacement at a time between two rows. (The plan's pieces are straight; what was measured need not be.)
+fn displacement_at(record: &Record, time: f64) -> f64 {
+    let (t, u) = (&record.time, &record.displacement);
+    let after = t.partition_point(|x| *x <= time).clamp(1, t.len() - 1);
+    let (a, b) = (after - 1, after);
+    u[a] + ((time - t[a]) / (t[b] - t[a])).clamp(0.0, 1.0) * (u[b] - u[a])
 }
 
 /// Motion of the actuator at a row, by differences.
