@@ -1,157 +1,22 @@
-//! Stress that relaxes: Maxwell branches on the isochoric stress, or on the fibres alone.
+//! The branches: their history, stress, tangent and energy.
 
-use super::base::base_law;
-use super::by_hand::{add, add_constant, add_deviatoric, inverse_transposed};
-use super::isochoric;
-use super::symmetric::{Frame, Sym, dot, pushed};
-use crate::decorator::{Call, Decoration, Tangent, decorate};
+use super::super::by_hand::{add, add_constant, add_deviatoric, inverse_transposed};
+use super::super::isochoric;
+use super::super::symmetric::{Frame, Sym, dot, pushed};
+use super::own_parameters;
+use crate::decorator::{Call, Decoration, Tangent};
 use crate::numeric::{add_scaled, decay, mean_decay, mean_rise};
-use crate::settings::{choice, integer, spread, word};
 use constitutive::{Energy, Law, PointLaw, Response, Scalar};
-use hgo::{FAMILIES, FibreInvariants, Hgo};
-use input::{OptionKind, OptionSpec, OptionValue};
-use model::{Action, Card, Effect, Options, Piece, Scales, Screening, Sided, Site};
-use params::{ParamSpec, Quantity};
-use std::sync::Arc;
-
-const TAU_BOUNDS: (f64, f64) = (1e-2, 1e5);
-const MOST_BRANCHES: i64 = 4;
-
-static CARD: Card = Card {
-    name: "viscoelastic",
-    site: Site::Bulk,
-    rank: 30,
-    summary: "Stress relaxes while the tissue is held and rises with the rate of stretching. The \
-              base parameters are the long-term (slow) response.",
-    law: "S = S_inner + J^(−2/3) Dev ΣH_i,  Ḣ_i + H_i/τ_i = g_i d(J^(2/3) S_iso)/dt,  \
-          S_iso = isochoric 2nd Piola stress of the inner law,  Dev A = A − ⅓ (A : C) C⁻¹;  \
-          relaxing = \"fibres\": driven by 2 ∂Ψ_fibres/∂C̄ instead",
-    reference: "Simo 1987, Comput. Methods Appl. Mech. Eng. 60, doi:10.1016/0045-7825(87)90107-1; \
-                Holzapfel & Gasser 2001, Comput. Methods Appl. Mech. Eng. 190",
-    shows_in: &["hold", "rate change", "unload", "reload"],
-    look_alikes: &["lag"],
-    separated_by: "a hold of several τ at constant displacement: a late sensor settles within its delay, tissue relaxes on",
-    excludes: &[],
-    // Loops of unloading show it without a pause, but not well.
-    needs: &["pause or two rates"],
-    screening: Screening::Score(Sided::Positive),
-    negative_control: false,
-    breaks_half_height: false,
-};
-
-/// One to four Maxwell branches on the isochoric stress.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Viscoelastic;
-
-/// What the option `relaxing` may say.
-const ALL: &str = "all";
-const FIBRES: &str = "fibres";
-
-fn branches(options: &Options) -> usize {
-    integer(options, "branches", 1).clamp(1, MOST_BRANCHES) as usize
-}
-
-fn settings(branches: i64, relaxing: &str) -> Options {
-    Options::from([
-        ("branches".to_owned(), OptionValue::Integer(branches)),
-        ("relaxing".to_owned(), OptionValue::Text(relaxing.to_owned())),
-    ])
-}
-
-fn own_parameters(branches: usize) -> Vec<ParamSpec> {
-    let tau = |start| {
-        ParamSpec::new("tau", "τ", Quantity::Time, TAU_BOUNDS, start, "relaxation time of the branch")
-    };
-    let g = || {
-        ParamSpec::new(
-            "g",
-            "g",
-            Quantity::Dimensionless,
-            (0.0, 5.0),
-            0.2,
-            "instantaneous over long-term stress, less one",
-        )
-        .neutral(0.0)
-    };
-    (0..branches)
-        .flat_map(|b| {
-            let mut pair = [g(), tau(10f64.powi(b as i32 + 1))];
-            if b > 0 {
-                for p in &mut pair {
-                    p.name = format!("{}{}", p.name, b + 1).into();
-                    p.symbol = format!("{}{}", p.symbol, ['₂', '₃', '₄'][b - 1]).into();
-                }
-            }
-            pair
-        })
-        .collect()
-}
-
-impl Effect for Viscoelastic {
-    fn card(&self) -> &Card {
-        &CARD
-    }
-
-    fn parameters(&self, options: &Options) -> Vec<ParamSpec> {
-        own_parameters(branches(options))
-    }
-
-    fn options(&self) -> Vec<OptionSpec> {
-        vec![
-            OptionSpec {
-                name: "branches".into(),
-                kind: OptionKind::Integer { min: 1, max: MOST_BRANCHES },
-                default: Some(OptionValue::Integer(1)),
-                description: "number of relaxation branches; the second is g2, tau2, and so on".into(),
-            },
-            choice("relaxing", &[ALL, FIBRES], "the whole isochoric stress relaxes, or the fibres' alone"),
-        ]
-    }
-
-    /// The fibres alone, whose stress no matrix tempers; or two branches a decade apart around the
-    /// one that was found: tissue hardly relaxes with one time.
-    fn richer(&self, options: &Options, values: &[f64]) -> Vec<(Options, Vec<f64>)> {
-        let relaxing = word(options, "relaxing", ALL);
-        let mut forms = Vec::new();
-        if relaxing == ALL {
-            forms.push((settings(branches(options) as i64, FIBRES), values.to_vec()));
-        }
-        if let [g, tau] = *values {
-            let within = |tau: f64| tau.clamp(TAU_BOUNDS.0, TAU_BOUNDS.1);
-            forms.push((settings(2, relaxing), vec![0.5 * g, within(tau / 3.0), 0.5 * g, within(3.0 * tau)]));
-        }
-        forms
-    }
-
-    fn shapes(&self, scales: &Scales) -> Vec<Vec<f64>> {
-        // What a record can tell lies between two samples and the whole test.
-        let low = (2.0 * scales.sampling).max(scales.duration / 300.0);
-        spread(low, scales.duration, 6)
-            .into_iter()
-            .map(|tau| vec![0.0, tau.clamp(TAU_BOUNDS.0, TAU_BOUNDS.1)])
-            .collect()
-    }
-
-    fn start(&self, scales: &Scales) -> Vec<f64> {
-        vec![0.2, (scales.duration / 15.0).clamp(TAU_BOUNDS.0, TAU_BOUNDS.1)]
-    }
-
-    fn act(&self, options: &Options, _piece: &Piece) -> Action {
-        let branches = branches(options);
-        let fibres_alone = word(options, "relaxing", ALL) == FIBRES;
-        Action::Bulk(Box::new(move |inner| {
-            let base = Hgo { fibre_invariants: FibreInvariants::Isochoric, ..base_law(&inner) };
-            let fibres = fibres_alone.then_some(base);
-            Arc::new(decorate(inner, Maxwell { branches, fibres }))
-        }))
-    }
-}
+use hgo::{FAMILIES, Hgo};
+use params::ParamSpec;
 
 /// History: H of each branch, then the driving stress, the isochoric C and the work on the branches.
-struct Maxwell {
-    branches: usize,
+pub(super) struct Maxwell {
+    pub branches: usize,
     /// The law of the fibres, where they alone relax.
-    fibres: Option<Hgo>,
+    pub fibres: Option<Hgo>,
+    /// Whether the deviator of the inner stress depends on the volume: what relaxes is then asked for at J = 1.
+    pub volume_matters: bool,
 }
 
 #[inline(always)]
@@ -178,7 +43,10 @@ impl Maxwell {
             Some(law) => (0..FAMILIES)
                 .map(|k| hgo::fibre_response(law, call.gradient, call.base, k).energy)
                 .sum::<f64>(),
-            None => isochoric(call.gradient, call.base, &call.inner_probe(call.gradient, inner_new)).energy,
+            None => {
+                let f = if self.volume_matters { unimodular(call.gradient) } else { *call.gradient };
+                isochoric(&f, call.base, &call.inner_probe(&f, inner_new)).energy
+            }
         };
         let secant = if psi > 0.0 { dot(&s, &s) / (2.0 * psi) } else { 0.0 };
         let stiffness = secant.max(2.0 * call.base[hgo::MU]);
@@ -189,7 +57,54 @@ impl Maxwell {
     }
 }
 
+/// J^(−1/3) F.
+fn unimodular<S: Scalar>(f: &[S; 9]) -> [S; 9] {
+    let per_root = constitutive::tensor::det(f).cbrt().recip();
+    f.map(|x| x * per_root)
+}
+
 impl Maxwell {
+    /// First Piola stress whose deviator the branches follow: the inner law's own, `inner`; or, of a law that sees the
+    /// volume, J^(−1/3) times what it gives at J = 1, so that the incremental stress keeps a potential, Ψ(C̄).
+    #[inline(always)]
+    fn followed<S: Scalar>(&self, call: &Call<'_, S, 9>, frame: &Frame<S>, inner: &[S; 9]) -> [S; 9]
+    where
+        dyn PointLaw<9>: Law<S, 9>,
+    {
+        if !self.volume_matters {
+            return *inner;
+        }
+        let at_one = call.inner_at(&unimodular(call.gradient), call.base, &mut call.inner_old.to_vec());
+        let root = frame.m.sqrt();
+        at_one.force.map(|p| p * root)
+    }
+
+    /// The same with its tangent.
+    fn followed_tangent(
+        &self,
+        call: &Call<'_, f64, 9>,
+        frame: &Frame<f64>,
+        g: &[f64; 9],
+        inner: &Tangent<9>,
+    ) -> Option<Tangent<9>> {
+        if !self.volume_matters {
+            return Some(*inner);
+        }
+        let f = unimodular(call.gradient);
+        let (p, a) = call.inner_tangent(&f, call.base, &mut call.inner_old.to_vec())?;
+        let root = frame.m.sqrt();
+        let mut out = (p.map(|x| root * x), [[0.0; 9]; 9]);
+        for (r, row) in out.1.iter_mut().enumerate() {
+            // F̄ varies by J^(−1/3) (dF − ⅓ F (F⁻ᵀ : dF)), the factor by −⅓ J^(−1/3) (F⁻ᵀ : dF).
+            let along: f64 = a[r].iter().zip(call.gradient).map(|(a, f)| a * f).sum();
+            let third = (frame.m * along + out.0[r]) / 3.0;
+            for s in 0..9 {
+                row[s] = frame.m * a[r][s] - third * g[s];
+            }
+        }
+        Some(out)
+    }
+
     /// The stress that the branches follow: Dev of what the inner law would give without it (the
     /// fictitious stress; what comes of the volume alone has no deviator), or the fibres' fictitious stress as
     /// it is.
@@ -204,7 +119,7 @@ impl Maxwell {
         frame.deviator(&frame.second_piola(inner)).map(|x| x * per_m)
     }
 
-    /// Goes a step: the new history, and ΣH after it. `inner` is the first Piola stress without the branches.
+    /// Goes a step: the new history, and ΣH after it. `inner` is the first Piola stress that they follow.
     #[inline(always)]
     fn relax<S: Scalar>(
         &self,
@@ -274,7 +189,8 @@ impl Decoration<9> for Maxwell {
     {
         let mut r = call.inner(inner_new);
         let frame = Frame::new(call.gradient);
-        let sum = self.relax(call, &frame, &r.force, new);
+        let followed = self.followed(call, &frame, &r.force);
+        let sum = self.relax(call, &frame, &followed, new);
         add_scaled(&mut r.force, frame.m, &pushed(call.gradient, &frame.deviator(&sum)));
         r
     }
@@ -289,7 +205,8 @@ impl Decoration<9> for Maxwell {
     ) -> Option<Tangent<9>> {
         let inner = call.inner_tangent(call.gradient, call.base, inner_new)?;
         let (frame, g) = (Frame::new(call.gradient), inverse_transposed(call.gradient));
-        self.relax(call, &frame, &inner.0, new);
+        let followed = self.followed_tangent(call, &frame, &g, &inner)?;
+        self.relax(call, &frame, &followed.0, new);
         let s_old = read(call.old, self.stress_block());
         let (mut constant, mut share) = ([0.0; 6], 0.0);
         for b in 0..self.branches {
@@ -308,7 +225,7 @@ impl Decoration<9> for Maxwell {
                     add(&mut sum, share, &hgo::fibre_tangent(law, call.gradient, call.base, k));
                 }
             }
-            None => add_deviatoric(&mut sum, share, call.gradient, &g, &inner),
+            None => add_deviatoric(&mut sum, share, call.gradient, &g, &followed),
         }
         Some(sum)
     }
