@@ -41,7 +41,7 @@ pub struct Policy {
     pub tie_bic: f64,
     /// Least share of χ² (above the noise floor) that an added effect must take away; keeps trifles out.
     pub min_share: f64,
-    /// The same where the record stays unexplained in the end: an effect that takes less is not named, since
+    /// The same where the record stays unexplained in the end: an effect that takes less than half is not named, since
     /// anything smooth bends a little towards what the catalogue does not hold.
     pub min_share_unexplained: f64,
     /// Least fall of χ² by an effect that is added to a model whose χ² noise explains already: p = 1e-5 or
@@ -87,7 +87,7 @@ impl Default for Policy {
             min_fall_explained: 20.0,
             min_fall_leaning: 30.0,
             most_alike_leaning: 3,
-            min_share_unexplained: 0.25,
+            min_share_unexplained: 0.5,
             held_out_fall: 0.0,
             max_effects: 4,
             explained_chi2: 1.2,

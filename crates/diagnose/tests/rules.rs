@@ -79,17 +79,17 @@ fn tried(d: &Discovery) -> Vec<String> {
 }
 
 #[test]
-fn on_an_unexplained_record_a_name_needs_a_quarter_of_the_excess() {
-    // With `a` an excess of 1294 stays, of which a quarter is 323.
+fn on_an_unexplained_record_a_name_needs_half_of_the_excess() {
+    // With `a` an excess of 1294 stays, of which half is 647.
     let found = |both: f64| {
         Table::new(&[("", 4000.0), ("a", 2000.0), ("b", 3900.0), ("a+b", both)])
             .screen_at("", &[("a", 2000.0)])
             .screen_at("a", &[("b", 2000.0 - both)])
             .search(&Policy::default())
     };
-    let little = found(1690.0);
+    let little = found(1370.0);
     assert_eq!((little.found.join("+"), little.verdict), ("a".into(), Verdict::Unexplained));
-    let enough = found(1670.0);
+    let enough = found(1340.0);
     assert_eq!((enough.found.join("+"), enough.verdict), ("a+b".into(), Verdict::Unexplained));
     let all = found(700.0);
     assert_eq!((all.found.join("+"), all.verdict), ("a+b".into(), Verdict::Explained));
@@ -108,7 +108,7 @@ fn a_fit_starts_from_what_the_latest_screen_says() {
 
 #[test]
 fn a_pair_is_taken_at_once_only_where_it_is_worth_two_names() {
-    // One effect leaves an excess of 1294; the pair must take a quarter of it, or explain the record.
+    // One effect leaves an excess of 1294; the pair must take half of it, or explain the record.
     let steps = |both: f64| {
         let d = Table::new(&[("", 4000.0), ("a", 2000.0), ("b", 3900.0), ("a+b", both)])
             .screen_at("", &[("a", 2000.0), ("b", 100.0)])
@@ -116,8 +116,8 @@ fn a_pair_is_taken_at_once_only_where_it_is_worth_two_names() {
             .search(&Policy::default());
         d.ladder.iter().map(|r| joined(&r.effects)).collect::<Vec<_>>()
     };
-    assert_eq!(steps(1690.0), ["", "a"]);
-    assert_eq!(steps(1670.0), ["", "a+b"]);
+    assert_eq!(steps(1370.0), ["", "a"]);
+    assert_eq!(steps(1340.0), ["", "a+b"]);
     assert_eq!(steps(720.0), ["", "a+b"]);
 }
 
