@@ -2,7 +2,7 @@
 #![allow(dead_code, missing_docs)]
 
 use constitutive::{Context, Jet, Law, PointLaw};
-use model::{Action, Bulk, Effect, Interface, Options, Piece, Scales};
+use model::{Action, Bulk, Effect, Interface, Options, Piece, Scales, Site};
 use std::sync::Arc;
 
 pub const PIECE: Piece = Piece { length: 10.0, width: 6.0, thickness: 0.8, cut: 1.0 };
@@ -246,4 +246,41 @@ pub fn ledger<const G: usize>(law: &dyn PointLaw<G>, params: &[f64], steps: &Ste
 
 pub fn bits(x: &[f64]) -> Vec<u64> {
     x.iter().map(|v| v.to_bits()).collect()
+}
+
+pub fn base_bulk() -> Bulk {
+    Arc::new(hgo::Hgo::default())
+}
+
+pub fn base_interface() -> Interface {
+    Arc::new(cohesive::Cohesive)
+}
+
+pub fn all(site: Site) -> Vec<Arc<dyn Effect>> {
+    let mut list: Vec<_> = effects().into_iter().filter(|e| e.card().site == site).collect();
+    list.sort_by_key(|e| e.card().rank);
+    list
+}
+
+pub fn joined(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().chain(b).copied().collect()
+}
+
+pub fn off_switches<const G: usize>(steps: Steps<G>) -> Steps<G> {
+    let moved = |i: usize, s: usize| match (G, i) {
+        (9, 4) => 1.02 + 1e-3 * (s % 3) as f64,
+        (9, _) => 1.0,
+        _ => 1.0 + 1e-3 * (s % 3) as f64,
+    };
+    // A closed tear is a switch too: it starts a little open.
+    let shift = |i: usize| if G == 3 && i == 0 { 0.003 } else { 0.0 };
+    steps
+        .into_iter()
+        .enumerate()
+        .map(|(s, (c, g))| (c, std::array::from_fn(|i| g[i] * moved(i, s) + shift(i))))
+        .collect()
+}
+
+pub fn step(value: f64, plausible: f64) -> f64 {
+    2e-4 * value.abs().max(plausible.abs()).max(1e-9)
 }
