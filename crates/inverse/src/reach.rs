@@ -89,3 +89,91 @@ impl Reach {
         self.cap = length * if failed { AFTER_FAILURE } else { GROWTH };
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DMatrix;
+
+    /// One parameter whose undamped step is 2 and promises 4.
+    fn one() -> (Reduced, DVector<f64>, StepBox) {
+        let system = Reduced::new(&DMatrix::from_element(1, 1, 1.0), &DVector::from_element(1, 2.0));
+        let space = StepBox { lower: DVector::from_element(1, -9.0), upper: DVector::from_element(1, 9.0) };
+        (system, DVector::from_element(1, 1.0), space)
+    }
+
+    fn next(reach: &mut Reach) -> f64 {
+        let (system, d, space) = one();
+        reach.step(&system, &d, &space).dz[0]
+    }
+
+    fn close(a: f64, b: f64, relative: f64) {
+        assert!((a / b - 1.0).abs() <= relative, "{a} {b}");
+    }
+
+    #[test]
+    fn the_first_step_is_damped_as_told() {
+        close(next(&mut Reach::new(3.0)), 2.0 / 4.0, 1e-12);
+    }
+
+    #[test]
+    fn a_step_is_worth_its_promise_less_what_the_fourth_power_takes() {
+        let mut reach = Reach::new(1.0);
+        // A step of length 1 promised 2 and gave 1: q = 1, and x of 4 x − x² − 0.3 x⁴ is largest where 4 − 2 x = 1.2 x³.
+        reach.learn(2.0, Some(1.0), 1.0);
+        let x = next(&mut reach);
+        close(4.0 - 2.0 * x, 1.2 * x.powi(3), 0.1);
+        close(reach.lambda, 2.0 / x - 1.0, 1e-9);
+        // The search between dampings is finer than a tenth of a power of ten.
+        let worth = |x: f64| 4.0 * x - x * x - 0.3 * x.powi(4);
+        for factor in [0.85, 1.15] {
+            assert!(worth(2.0 / (1.0 + reach.lambda * factor)) < worth(x) + 2e-3);
+        }
+    }
+
+    #[test]
+    fn a_length_is_capped_by_what_the_last_trial_came_to() {
+        let after = |promise: f64, actual: Option<f64>, length: f64| {
+            let mut reach = Reach::new(1.0);
+            reach.learn(promise, actual, length);
+            (reach.cap, next(&mut reach))
+        };
+        assert_eq!(after(1.0, Some(1.0), 0.1).0, 0.4);
+        assert_eq!(after(1.0, Some(-1.0), 0.1).0, 0.05);
+        assert_eq!(after(1.0, Some(0.0), 0.1).0, 0.05);
+        for (told, cap) in [(None, 0.025), (Some(f64::NAN), 0.025), (Some(f64::NEG_INFINITY), 0.025)] {
+            let (found, step) = after(1.0, told, 0.1);
+            assert_eq!(found, cap);
+            // Nothing is known but the cap: as long as it allows.
+            assert!(step <= cap && step > 0.7 * cap, "{step}");
+        }
+    }
+
+    #[test]
+    fn what_a_trial_lost_moves_q_as_far_as_it_is_trusted() {
+        let q = |trials: &[(f64, f64, f64)]| {
+            let mut reach = Reach::new(1.0);
+            trials.iter().for_each(|&(promise, actual, length)| reach.learn(promise, Some(actual), length));
+            reach.quartic.unwrap_or(f64::NAN)
+        };
+        let half = (1.0, 0.5, 0.5);
+        assert_eq!(q(&[half]), 8.0);
+        // Nothing is lost: next to nothing is believed of that at once.
+        assert_eq!(q(&[(1.0, 1.5, 1.0)]), 1e-4);
+        assert_eq!(q(&[half, (1.0, 1.0, 0.5)]), 8.0 / 30.0);
+        // As good as promised, but short: what it lost counts whole.
+        close(q(&[half, (1.0, 0.85, 0.1)]), 1500.0, 1e-12);
+        close(q(&[half, (1.0, 0.5, 1.0)]), 2.0, 1e-12);
+        // A failure raises q at once, by the mean of powers at least.
+        close(q(&[half, (1.0, -1.0, 0.5)]), 32.0, 1e-12);
+        close(q(&[half, (1.0, -1.0, 1.0)]), 4.0, 1e-12);
+    }
+
+    #[test]
+    fn what_cannot_be_computed_forgets_nothing() {
+        let mut reach = Reach::new(1.0);
+        reach.learn(1.0, Some(0.5), 0.5);
+        reach.learn(1.0, None, 0.4);
+        assert_eq!((reach.quartic, reach.cap), (Some(8.0), 0.1));
+    }
+}
