@@ -101,6 +101,14 @@ impl Rung {
     pub fn excess(&self) -> f64 {
         (self.chi2_total - self.freedom).max(0.0)
     }
+
+    /// Whether `after` takes this share of what noise alone would not leave; of the record's noise, or with the
+    /// model's numerical error, which a misfit of its shape may hide behind.
+    pub(crate) fn loses(&self, after: &Self, share: f64) -> bool {
+        let raw = |r: &Self| r.reduced_chi2 * r.freedom;
+        self.chi2_total - after.chi2_total >= share * self.excess()
+            || raw(self) - raw(after) >= share * (raw(self) - self.freedom).max(0.0)
+    }
 }
 
 /// Whether `after`, which has more effects than `before`, pays for them: BIC falls by `add_bic`, a fair share of

@@ -15,6 +15,8 @@ struct Table {
     findings: BTreeMap<&'static str, Vec<Finding>>,
     pairs: Vec<Pair>,
     leaning: bool,
+    /// Reduced χ² with the record's noise alone, where it is another.
+    raw: BTreeMap<&'static str, f64>,
     /// The promises of the effects that each fit was told of.
     hinted: Vec<(String, Vec<Option<f64>>)>,
 }
@@ -59,7 +61,8 @@ impl Ladder for Table {
         let parameters = 13 + effects.len();
         let names: Vec<&str> = effects.iter().map(String::as_str).collect();
         let plain = rung(&names, chi2, parameters);
-        Ok(Rung { reduced_chi2: if self.leaning { 3.0 } else { plain.reduced_chi2 }, ..plain })
+        let raw = self.raw.get(joined(effects).as_str()).copied().unwrap_or(plain.reduced_chi2);
+        Ok(Rung { reduced_chi2: if self.leaning { 3.0 } else { raw }, ..plain })
     }
 
     fn screen(&mut self, rung: &Rung) -> Result<Screen, String> {
@@ -94,6 +97,18 @@ fn on_an_unexplained_record_a_name_needs_half_of_the_excess() {
     let all = found(700.0);
     assert_eq!((all.found.join("+"), all.verdict), ("a+b".into(), Verdict::Explained));
     assert!(all.screen.findings.iter().all(|f| !f.set_aside), "only where nothing is missing");
+}
+
+#[test]
+fn a_share_of_the_excess_counts_with_and_without_the_numerical_error() {
+    let found = |raw: f64| {
+        let mut table = Table::new(&[("", 4000.0), ("a", 3000.0)]).screen_at("", &[("a", 3000.0)]);
+        table.raw = BTreeMap::from([("", 81.0), ("a", raw)]);
+        table.search(&Policy::default()).found
+    };
+    // With the error `a` takes 1000 of 3294. Of the record's noise alone 80 are too much, of which half is 40.
+    assert!(found(41.5).is_empty());
+    assert_eq!(found(40.5), ["a"]);
 }
 
 #[test]
@@ -202,6 +217,19 @@ fn a_rival_is_fitted_when_it_promises_four_fifths_less_nine_or_looks_alike() {
     assert_eq!(run(70.5, false), [["a"]]);
     assert_eq!(run(11.0, true), [["a", "b"]]);
     assert_eq!(run(9.0, true), [["a"]], "a look-alike that explains nothing is none");
+}
+
+#[test]
+fn a_rival_that_promised_more_and_never_arrived_is_not_refuted() {
+    let groups = |promise: f64, b: &[(&'static str, f64)]| {
+        let chi2: Vec<_> = [("", 4000.0), ("a", 700.0)].iter().chain(b).copied().collect();
+        Table::new(&chi2).screen_at("", &[("a", 3300.0), ("b", promise)]).search(&Policy::default()).groups
+    };
+    // No model is worse than the one that it holds as a special case.
+    assert_eq!(groups(3400.0, &[("b", 4000.0)]), [["a", "b"]]);
+    assert_eq!(groups(3400.0, &[]), [["a", "b"]], "no fit at all says as little");
+    assert_eq!(groups(3400.0, &[("b", 3999.0)]), [["a"]]);
+    assert_eq!(groups(3300.0, &[("b", 4000.0)]), [["a"]], "what promised less needs no fit to be second");
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! The search: screen, refit the best and their look-alikes, add what pays, take back what does not, try pairs
 //! where one effect leaves structure, and say honestly how it ended.
 
+mod groups;
+
 use crate::ladder::{Hints, Ladder, Rung, pays};
 use crate::verdict::{Discovery, Verdict};
 use crate::{Finding, Policy, Screen};
@@ -101,8 +103,7 @@ impl<L: Ladder> Search<'_, L> {
     /// the rest may just bend towards what the catalogue does not hold.
     fn abstain(&mut self, rungs: &mut Vec<Rung>) {
         while let [.., before, last] = rungs.as_slice() {
-            let gain = before.chi2_total - last.chi2_total;
-            if last.explained(self.policy) || gain >= self.policy.min_share_unexplained * before.excess() {
+            if last.explained(self.policy) || before.loses(last, self.policy.min_share_unexplained) {
                 break;
             }
             (self.progress)(&format!("{} explains too little to be named.", listed(&last.effects)));
@@ -175,9 +176,8 @@ impl<L: Ladder> Search<'_, L> {
     /// Whether a pair is better than one effect by enough for two names: on a record that stays
     /// unexplained nearly anything pays a little.
     fn worth_a_second(&self, one: &Rung, pair: &Rung) -> bool {
-        let gain = one.chi2_total - pair.chi2_total;
         pair.bic <= one.bic - self.policy.add_bic
-            && (pair.explained(self.policy) || gain >= self.policy.min_share_unexplained * one.excess())
+            && (pair.explained(self.policy) || one.loses(pair, self.policy.min_share_unexplained))
     }
 
     /// The best single effect that pays; where it leaves structure, a pair if that is better by `add_bic`.
@@ -324,56 +324,6 @@ impl<L: Ladder> Search<'_, L> {
             }
         }
         rung
-    }
-
-    /// For each effect found: itself, and every rival that does as well in its place.
-    fn groups(&mut self, last: &Rung) -> Vec<Vec<String>> {
-        last.effects.iter().map(|e| self.group(last, e)).collect()
-    }
-
-    fn group(&mut self, last: &Rung, effect: &str) -> Vec<String> {
-        let mut group = vec![effect.to_owned()];
-        let rest: Vec<String> = last.effects.iter().filter(|e| *e != effect).cloned().collect();
-        let Some(without) = self.fit(&rest) else { return group };
-        if self.ladder.interrupted() {
-            return group;
-        }
-        let Ok(screen) = self.screen(&without) else { return group };
-        self.remember(&screen);
-        let own = screen.finding(effect).map_or(0.0, |f| f.fall);
-        let alike = screen.finding(effect).map_or(Vec::new(), |f| f.look_alikes.clone());
-        let mut rivals: Vec<_> = screen
-            .findings
-            .iter()
-            .filter(|f| !last.effects.contains(&f.effect))
-            .filter(|f| {
-                f.fall >= self.policy.min_fall
-                    && (alike.contains(&f.effect) || f.fall >= 0.8 * own - self.policy.separate_chi2)
-                    || f.refit_only
-            })
-            .collect();
-        rivals.sort_by(|a, b| b.fall.total_cmp(&a.fall).then(a.effect.cmp(&b.effect)));
-        let names: Vec<String> = rivals.into_iter().take(6).map(|f| f.effect.clone()).collect();
-        let with = |name: &String| rest.iter().chain([name]).cloned().collect();
-        let sets: Vec<Vec<String>> = names.iter().map(with).collect();
-        self.fit_all(&sets);
-        for (name, set) in names.into_iter().zip(sets) {
-            let Some(rung) = self.known.get(&key(&set)).cloned().flatten() else { continue };
-            let as_good =
-                rung.bic <= last.bic + self.policy.tie_bic || self.fits_as_well(&rung, last, &without);
-            if as_good && (rung.explained(self.policy) || !last.explained(self.policy)) {
-                group.push(name);
-            }
-        }
-        group
-    }
-
-    /// Where noise explains the records without either effect, a rival's further parameters are no evidence
-    /// against it: it is told apart only by a fit that is worse.
-    fn fits_as_well(&self, rival: &Rung, last: &Rung, without: &Rung) -> bool {
-        without.explained(self.policy)
-            && without.chi2_total - rival.chi2_total >= self.policy.min_fall_explained
-            && rival.chi2_total <= last.chi2_total + self.policy.separate_chi2
     }
 }
 
