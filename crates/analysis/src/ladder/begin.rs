@@ -30,9 +30,6 @@ const SHARES: [f64; 4] = [0.5, 0.25, 0.1, 0.05];
 /// the fitted ones (σc, Gc) leave the effect its share.
 const BRITTLE: [(&str, f64); 2] = [("sigma_c", 3.0), ("gc", 0.5)];
 
-/// A rung whose objective is this many times its base's has lost its way.
-const WORSE: f64 = 1.05;
-
 impl FeLadder<'_> {
     /// Fits a rung from the screen's estimate. At its neutral value an effect leaves the base as good
     /// as it was: a fit that ends worse, or cannot begin, starts once more from a smaller amplitude; one that cannot
@@ -55,7 +52,7 @@ impl FeLadder<'_> {
                 break;
             }
             let (correction, states, enough) =
-                (base.correction.clone(), self.guesses(base, &model), WORSE * base.fit.f);
+                (base.correction.clone(), self.guesses(base, &model), base.fit.f);
             match self.fit_rung(model, theta, correction, states) {
                 Ok(f) if f.fit.f <= enough => return Ok(f),
                 Ok(f) if best.as_ref().is_ok_and(|b| b.fit.f <= f.fit.f) => {}
