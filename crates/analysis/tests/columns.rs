@@ -1,7 +1,7 @@
 //! Every effect of the catalogue on a small tear: neutral is the base to the bit, and the screen's
 //! column is the derivative that a finite change shows.
 
-use analysis::{Base, FeProblem, Measured};
+use analysis::{Base, FeProblem, Measured, scales};
 use diagnose::Candidate;
 use input::Case;
 use inverse::Problem;
@@ -101,16 +101,14 @@ struct Shown {
     with: Vec<Case>,
 }
 
-fn shown(case: &Case) -> Shown {
-    let catalogue = effects::catalogue();
-    let base = predict(case, &catalogue, &[]);
-    let model = Model::new(Arc::new(case.clone()), &catalogue, Discretisation::default()).expect("model");
+fn screened(case: &Case, catalogue: &Catalogue) -> Vec<Candidate> {
+    let model = Model::new(Arc::new(case.clone()), catalogue, Discretisation::default()).expect("model");
     let measured = Measured::of(&model, &[true, true]).expect("data");
-    let candidates = Base {
+    Base {
         model: &model,
         theta: &model.theta(),
         free: &[],
-        catalogue: &catalogue,
+        catalogue,
         how: Discretisation::default(),
         options: options(),
         slots: &measured.slots,
@@ -119,7 +117,13 @@ fn shown(case: &Case) -> Shown {
     }
     .screen()
     .expect("screen")
-    .candidates;
+    .candidates
+}
+
+fn shown(case: &Case) -> Shown {
+    let catalogue = effects::catalogue();
+    let base = predict(case, &catalogue, &[]);
+    let candidates = screened(case, &catalogue);
     let with = candidates.iter().map(|c| with_neutral(case, &catalogue, c)).collect();
     Shown { catalogue, base, candidates, with }
 }
@@ -200,4 +204,31 @@ fn neutral_is_base_and_columns_are_derivatives() {
         compared += 1;
     }
     assert!(compared >= 15, "only {compared} effects showed");
+}
+
+/// With each effect in force at its ordinary size, misalignment with its whole height among them, the others are screened.
+#[test]
+fn a_model_with_any_effect_is_screened_for_the_others() {
+    let case = case_of("others", false);
+    let plain = shown(&case);
+    let model = Model::new(Arc::new(case), &plain.catalogue, Discretisation::default()).expect("model");
+    let sizes = scales(&model, &model.theta());
+    for with in &plain.with {
+        let (mut with, name) = (with.clone(), with.effects[0].name.clone());
+        let effect = plain.catalogue.get(&name).expect("effect");
+        let specs = effect.parameters(&model::Options::new());
+        for (spec, value) in specs.iter().zip(effect.start(&sizes)) {
+            with.effects[0].parameters.insert(spec.name.to_string(), input::Value::new(value));
+        }
+        let screened = screened(&with, &plain.catalogue);
+        let names: Vec<&str> = screened.iter().map(|c| c.effect.as_str()).collect();
+        assert!(
+            names.len() + 2 >= plain.candidates.len() && !names.contains(&name.as_str()),
+            "{name}: {names:?}"
+        );
+        for c in &screened {
+            let finite = c.shapes.iter().all(|s| s.columns.iter().all(|x| x.is_finite()));
+            assert!(finite && !c.shapes.is_empty(), "{} beside {name}", c.effect);
+        }
+    }
 }

@@ -166,7 +166,10 @@ impl Base<'_> {
 
     fn with(&self, effect: &Arc<dyn Effect>, values: &[f64], neutral: bool) -> Result<Model, BuildError> {
         let case = case_with(&self.model.case, &[config_of(effect, values)]);
-        Model::new(Arc::new(case), self.catalogue, Discretisation { neutral_halves: neutral, ..self.how })
+        // Columns live on the mesh of the model: its own effects may need the whole height.
+        let breaks = |name: &String| self.catalogue.get(name).is_some_and(|e| e.card().breaks_half_height);
+        let neutral_halves = neutral && !self.model.effects().iter().any(breaks);
+        Model::new(Arc::new(case), self.catalogue, Discretisation { neutral_halves, ..self.how })
     }
 
     /// Finite change at a plausible amplitude, per unit: for effects whose derivative at neutral
