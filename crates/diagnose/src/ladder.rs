@@ -112,12 +112,16 @@ impl Rung {
 }
 
 /// Whether `after`, which has more effects than `before`, pays for them: BIC falls by `add_bic`, a fair share of
-/// the excess goes, and the held-out points are not predicted worse than their sampling spread allows.
+/// the excess goes, and the held-out points are not predicted worse than their sampling spread allows. Where only the
+/// mesh's error explains `before`, an effect must not lean on it more: the misfit to the record itself does not rise.
 pub fn pays(before: &Rung, after: &Rung, policy: &Policy) -> bool {
     let gain = before.chi2_total - after.chi2_total;
     before.bic - after.bic >= policy.add_bic
         && gain >= policy.min_share * before.excess()
         && gain >= before.least_fall(policy)
+        && !(before.explained(policy)
+            && before.leans_on_the_mesh()
+            && after.reduced_chi2 > before.reduced_chi2)
         && !held_out_worse(before, after, policy)
 }
 

@@ -177,6 +177,17 @@ fn what_many_effects_promise_alike_on_a_leaning_record_is_the_error_of_the_mesh(
 }
 
 #[test]
+fn where_the_mesh_explains_an_effect_may_not_lean_on_it_more() {
+    let found = |after: f64| {
+        let mut table = Table::new(&[("", 760.0), ("a", 700.0)]).screen_at("", &[("a", 60.0)]);
+        table.raw = BTreeMap::from([("", 4.0), ("a", after)]);
+        table.search(&Policy::default()).found
+    };
+    assert_eq!(found(3.9), ["a"]);
+    assert!(found(4.1).is_empty());
+}
+
+#[test]
 fn the_first_three_are_refitted_and_further_ones_that_promise_about_as_much() {
     let sets = [("", 4000.0), ("a", 2000.0), ("b", 3000.0), ("c", 3100.0), ("d", 3200.0), ("e", 3300.0)];
     let run = |d: f64| {
