@@ -72,23 +72,29 @@ pub fn verdict(d: &Discovery, policy: &Policy) -> String {
             };
             format!("Nothing is missing: {why}.{blind}")
         }
-        Verdict::Explained => format!(
-            "Missing was {}: with it reduced χ² falls from {first:.2} to {last:.2}, and no rival does as well.",
-            join(&d.found, "and")
-        ),
+        Verdict::Explained => {
+            let (was, it) = if d.found.len() > 1 { ("were", "them") } else { ("was", "it") };
+            format!(
+                "Missing {was} {}: with {it} reduced χ² falls from {first:.2} to {last:.2}, and no rival does as well.{}",
+                join(&d.found, "and"),
+                leaning(d)
+            )
+        }
         Verdict::Ambiguous => {
             let groups: Vec<String> = d.groups.iter().map(|g| join(g, "or")).collect();
             format!(
-                "The record is explained (reduced χ² from {first:.2} to {last:.2}), but not uniquely: missing was {}, which these records cannot tell apart.",
-                groups.join(", and ")
+                "The record is explained (reduced χ² from {first:.2} to {last:.2}), but not uniquely: missing was {}, which these records cannot tell apart.{}",
+                groups.join(", and "),
+                leaning(d)
             )
         }
         Verdict::Unexplained if d.found.is_empty() => format!(
             "Something is missing that the catalogue does not hold: reduced χ² {last:.2}, and no effect pays for itself."
         ),
         Verdict::Unexplained => format!(
-            "{} helps (reduced χ² from {first:.2} to {last:.2}) but does not explain the record: something else is missing that the catalogue does not hold.",
-            join(&d.found, "and")
+            "{} {} (reduced χ² from {first:.2} to {last:.2}) but does not explain the record: something else is missing that the catalogue does not hold.",
+            join(&d.found, "and"),
+            if d.found.len() > 1 { "help" } else { "helps" }
         ),
     };
     let close = match d.last() {
@@ -98,6 +104,16 @@ pub fn verdict(d: &Discovery, policy: &Policy) -> String {
         _ => "",
     };
     format!("{text}{close}{stopped}")
+}
+
+/// What must be said of an answer that the record's noise alone does not explain.
+fn leaning(d: &Discovery) -> String {
+    d.last().filter(|r| r.leans_on_the_mesh()).map_or(String::new(), |r| {
+        format!(
+            " Only with the mesh's own error is that so small (reduced χ² {:.1} with the noise alone): a finer mesh may show more.",
+            r.reduced_chi2
+        )
+    })
 }
 
 /// Where the misfit is: the segments that hold most of it.

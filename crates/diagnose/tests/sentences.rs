@@ -83,13 +83,24 @@ fn a_verdict_says_what_was_found_and_what_is_left() {
     let explained = ended(Verdict::Explained, &["a", "b"], 105.0);
     assert_eq!(
         say(&explained),
-        "Missing was a and b: with it reduced χ² falls from 4.00 to 1.05, and no rival does as well."
+        "Missing were a and b: with them reduced χ² falls from 4.00 to 1.05, and no rival does as well."
     );
     assert_eq!(
         say(&ended(Verdict::Ambiguous, &["a", "b"], 105.0)),
         "The record is explained (reduced χ² from 4.00 to 1.05), but not uniquely: missing was a or a', and b or b', \
          which these records cannot tell apart."
     );
+    assert!(say(&ended(Verdict::Explained, &["a"], 105.0)).starts_with("Missing was a: with it reduced"));
+    for verdict in [Verdict::Explained, Verdict::Ambiguous] {
+        let mut leaning = ended(verdict, &["a"], 105.0);
+        leaning.ladder[1].reduced_chi2 = 38.6;
+        let said = say(&leaning);
+        assert!(
+            said.contains("(reduced χ² 38.6 with the noise alone): a finer mesh may show more."),
+            "{said}"
+        );
+    }
+    assert!(say(&ended(Verdict::Unexplained, &["a", "b"], 250.0)).starts_with("a and b help (reduced"));
     let open = ended(Verdict::Unexplained, &["a"], 250.0);
     let helps = "a helps (reduced χ² from 4.00 to 2.50) but does not explain the record: something else is missing \
                  that the catalogue does not hold.";
