@@ -47,7 +47,7 @@ pub(crate) struct Work<'a> {
     /// Whether there is a coarse mesh to begin on.
     pub(super) coarse_level: bool,
     /// What the latest stage left of the tearing records.
-    pub(super) tear_left: Left,
+    pub(super) tear_left: TearMisfit,
 }
 
 /// Free parameters as the optimiser sees them, at θ.
@@ -60,12 +60,12 @@ const CHANCE: f64 = 3.0;
 
 /// χ² of the tearing records that a fit left, with their noise as if it were white.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Left {
+pub(super) struct TearMisfit {
     chi2: f64,
     points: f64,
 }
 
-impl Left {
+impl TearMisfit {
     fn of(model: &Model, measured: &Measured, fit: &Fit) -> Self {
         let misfit = measured.data.misfit(&fit.prediction.values);
         let mut left = Self::default();
@@ -110,7 +110,7 @@ impl<'a> Work<'a> {
             coarse_noise: 0.0,
             starts: None,
             coarse_level: false,
-            tear_left: Left::default(),
+            tear_left: TearMisfit::default(),
         }
     }
 
@@ -194,7 +194,7 @@ impl<'a> Work<'a> {
         if !coarse {
             self.iterations = self.iterations.max(fit.iterations);
         }
-        self.tear_left = Left::of(model, &measured, &fit);
+        self.tear_left = TearMisfit::of(model, &measured, &fit);
         self.stopped.push((stage, fit.stop.sentence().to_owned(), fit.stop.converged()));
         if stage == Stage::Bulk && !coarse {
             self.held = Some(());
