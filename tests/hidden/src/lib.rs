@@ -11,6 +11,7 @@ pub mod draw;
 pub mod files;
 pub mod forward;
 pub mod generate;
+pub mod imitate;
 pub mod outcome;
 pub mod outside;
 pub mod protocol;

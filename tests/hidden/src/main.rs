@@ -1,9 +1,9 @@
-//! `hidden`: makes the cases, diagnoses them, writes docs/hidden.md. `just hidden` does all three.
+//! `hidden`: makes the cases, diagnoses them, writes docs/hidden.md. `just hidden` does it all.
 
 use clap::{Parser, ValueEnum};
 use hidden_suite::forward::Fineness;
 use hidden_suite::spec::{Spec, suite};
-use hidden_suite::{generate::generate, report, run};
+use hidden_suite::{generate::generate, imitate, report, run};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -13,11 +13,13 @@ use std::time::Duration;
 enum What {
     /// Make the cases that are not there yet.
     Generate,
+    /// Measure what the base model can imitate, where that is not done yet.
+    Imitate,
     /// Diagnose the cases that have no result yet.
     Run,
     /// Write the document from the results that are there.
     Report,
-    /// All three.
+    /// All of this.
     All,
 }
 
@@ -60,6 +62,9 @@ fn main() -> ExitCode {
     if matches!(args.what, What::Generate | What::All) {
         good &= make(&args, &specs);
     }
+    if matches!(args.what, What::Imitate | What::All) {
+        good &= measure(&args, &specs);
+    }
     if matches!(args.what, What::Run | What::All) {
         good &= diagnose(&args, &specs);
     }
@@ -96,6 +101,42 @@ fn make(args: &Args, specs: &[Spec]) -> bool {
             Err(e) => {
                 failed.store(true, std::sync::atomic::Ordering::Relaxed);
                 eprintln!("{} {:?}: {e}", spec.name, spec.hidden);
+            }
+        }
+    });
+    !failed.into_inner()
+}
+
+fn measure(args: &Args, specs: &[Spec]) -> bool {
+    let open: Vec<PathBuf> = specs
+        .iter()
+        .map(|s| folder(args, s))
+        .filter(|f| f.join("truth.json").is_file() && imitate::stored(f).is_none())
+        .collect();
+    eprintln!("{} cases to imitate", open.len());
+    let failed = std::sync::atomic::AtomicBool::new(false);
+    run::each(&open, args.jobs, |f| {
+        let start = std::time::Instant::now();
+        match imitate::measure(f) {
+            Ok(left) => {
+                for (effect, l) in &left {
+                    let moved = l
+                        .moved
+                        .as_ref()
+                        .map_or(String::new(), |(p, by)| format!(", {p} {:+.0} %", 100.0 * by));
+                    let seconds = start.elapsed().as_secs_f64();
+                    eprintln!(
+                        "{} {effect}: {:.1} → {:.1}{moved} ({}, {seconds:.0} s)",
+                        name(f),
+                        l.before,
+                        l.after,
+                        l.stop
+                    );
+                }
+            }
+            Err(e) => {
+                failed.store(true, std::sync::atomic::Ordering::Relaxed);
+                eprintln!("{}: {e}", name(f));
             }
         }
     });

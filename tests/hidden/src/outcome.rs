@@ -1,6 +1,7 @@
 //! The answer to one case, and how it compares with the truth.
 
-use crate::files::{Truth, VISIBLE};
+use crate::files::Truth;
+use crate::imitate::{self, Imitated};
 use serde::{Deserialize, Serialize};
 
 /// One effect of the screen at the base model.
@@ -83,6 +84,9 @@ pub struct Outcome {
     pub forward_runs: usize,
     /// Wall time, s.
     pub seconds: f64,
+    /// What is left of what is hidden when the model without it has tried to take its place; `None`: not measured.
+    #[serde(skip)]
+    pub imitated: Option<Imitated>,
 }
 
 /// How an answer stands to the truth.
@@ -154,19 +158,16 @@ impl Outcome {
         self.tried.iter().find(same)
     }
 
-    /// What the best of the fitted models that lack some of the truth leaves beyond the noise, in standard
-    /// deviations: √(χ² − degrees of freedom). An upper bound of what any values of its parameters must leave.
-    pub fn left_without_truth(&self) -> Option<f64> {
-        let hidden = &self.truth.effects;
-        let lacking =
-            |s: &&Step| s.effects.len() < hidden.len() && s.effects.iter().all(|e| hidden.contains(e));
-        let beyond = |s: &Step| (s.objective - s.objective / s.reduced_chi2_total).max(0.0).sqrt();
-        self.tried.iter().filter(lacking).map(beyond).reduce(f64::min)
+    /// Whether the record can see all that is hidden: by imitation, or by the tangent's estimate where that was not
+    /// measured.
+    pub fn visible(&self) -> bool {
+        self.imitated.as_ref().map_or(self.truth.visible(), imitate::visible)
     }
 
-    /// Whether the record can see the truth, and the fitted models without it do leave as much.
-    pub fn stands_out(&self) -> bool {
-        self.truth.visible() && self.left_without_truth().is_some_and(|left| left >= VISIBLE)
+    /// What can be seen of one hidden effect, over the noise.
+    pub fn signal(&self, effect: &str) -> f64 {
+        let tangent = self.truth.each_over_noise.get(effect).copied().unwrap_or(0.0);
+        self.imitated.as_ref().and_then(|i| i.get(effect)).map_or(tangent, |l| l.after)
     }
 
     /// Predicted and actual fall of the objective when the first accepted effect was added alone.

@@ -8,6 +8,7 @@ use input::{Record, TestKind};
 use inverse::Random;
 use model::{Action, Card, Effect, Options, Piece, Scales, Screening, Sided, Site};
 use params::{ParamSpec, Quantity};
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -69,6 +70,18 @@ impl Outside {
                 vec![("k", 0.1 * a * s.tissue.mean_sigma_c() / (2.0 * s.tissue.delta_c())), ("reach", 0.12)]
             }
         }
+    }
+
+    /// The parameters of a truth in the order of the draw.
+    pub fn in_order(self, values: &BTreeMap<String, f64>) -> Parameters {
+        let names: &[&'static str] = match self {
+            Self::WanderingGain => &["a", "period", "phase"],
+            Self::GuideFriction => &["f", "travel"],
+            Self::StickSlip => &["a", "period"],
+            Self::LoadDelay => &["tau", "f_max"],
+            Self::Suture => &["k", "reach"],
+        };
+        names.iter().map(|n| (*n, values.get(*n).copied().unwrap_or(0.0))).collect()
     }
 
     /// What the load cell reads in place of `force`.

@@ -2,6 +2,7 @@
 
 use crate::GenerateError;
 use crate::files::{self, Truth};
+use crate::imitate;
 use crate::outcome::{End, Outcome, ScreenRow, Step};
 use analysis::FeLadder;
 use diagnose::{Discovery, Ladder, Policy, Rung, Verdict};
@@ -45,9 +46,12 @@ pub fn folders(root: &Path) -> Result<Vec<PathBuf>, GenerateError> {
     Ok(list)
 }
 
-/// The stored result of a case.
+/// The stored result of a case, with what the base can imitate of its truth.
 pub fn stored(folder: &Path) -> Option<Outcome> {
-    serde_json::from_str(&std::fs::read_to_string(folder.join(RESULT)).ok()?).ok()
+    let mut outcome: Outcome =
+        serde_json::from_str(&std::fs::read_to_string(folder.join(RESULT)).ok()?).ok()?;
+    outcome.imitated = imitate::stored(folder);
+    Some(outcome)
 }
 
 /// Diagnoses a case and stores the answer beside it.
@@ -182,5 +186,6 @@ fn empty(truth: Truth, end: End) -> Outcome {
         failed: Vec::new(),
         forward_runs: 0,
         seconds: 0.0,
+        imitated: None,
     }
 }

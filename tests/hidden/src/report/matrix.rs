@@ -31,7 +31,7 @@ pub fn section(outcomes: &[Outcome]) -> String {
     let mut used: Vec<String> = Vec::new();
     for o in outcomes.iter().filter(|o| o.truth.effects.len() <= 1) {
         let hidden = o.truth.effects.first().cloned().unwrap_or_else(|| "(none)".into());
-        let row = rows.entry((!(o.truth.visible() || o.truth.effects.is_empty()), hidden)).or_default();
+        let row = rows.entry((!(o.visible() || o.truth.effects.is_empty()), hidden)).or_default();
         for c in columns(o) {
             if !used.contains(&c) {
                 used.push(c.clone());

@@ -8,11 +8,11 @@ use std::fmt::Write as _;
 fn missed(o: &Outcome) -> bool {
     let t = &o.truth;
     if t.is_outside() {
-        return t.visible() && o.verdict == "explained";
+        return o.visible() && o.verdict == "explained";
     }
     match o.grade() {
         Grade::Right => false,
-        Grade::Abstained => t.visible(),
+        Grade::Abstained => o.visible(),
         // A wrong or surplus name is a miss whether or not the record could see the truth.
         _ => true,
     }
@@ -31,11 +31,11 @@ pub fn section(outcomes: &[Outcome]) -> String {
             t.effects.iter().zip(&t.strengths).map(|(e, s)| format!("{e} × {s}")).collect();
         let _ = writeln!(
             text,
-            "- **{}** ({:?}, {}, signal {:.1}): {} {}. {}",
+            "- **{}** ({:?}, {}, signal {}): {} {}. {}",
             t.name,
             t.protocol,
             if hidden.is_empty() { "no effect".into() } else { hidden.join(" + ") },
-            t.what_no_base_parameter_imitates_over_noise,
+            signals(o),
             o.verdict,
             names(&o.groups),
             reason(o)
@@ -43,6 +43,13 @@ pub fn section(outcomes: &[Outcome]) -> String {
     }
     text.push_str(if list.is_empty() { "None.\n\n" } else { "\n" });
     text
+}
+
+/// What no base parameter imitates of each hidden effect; by the tangent where that was not measured.
+fn signals(o: &Outcome) -> String {
+    let one = |e: &String| format!("{:.1}", o.signal(e));
+    let all: Vec<String> = o.truth.effects.iter().map(one).collect();
+    if all.is_empty() { "none".into() } else { all.join(" and ") }
 }
 
 /// What the search saw of the truth, and of what it chose instead.

@@ -69,7 +69,7 @@ pub(crate) fn singles(outcomes: &[Outcome]) -> Vec<&Outcome> {
 
 /// Those of them that the record can see.
 pub(crate) fn visible_singles(outcomes: &[Outcome]) -> Vec<&Outcome> {
-    singles(outcomes).into_iter().filter(|o| o.truth.visible()).collect()
+    singles(outcomes).into_iter().filter(|o| o.visible()).collect()
 }
 
 /// Names of a group or of several, for a cell.

@@ -26,9 +26,9 @@ fn by_effect(outcomes: &[Outcome]) -> String {
          fall | Gc error before | after |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for (effect, all) in groups {
-        let seen: Vec<&&Outcome> = all.iter().filter(|o| o.truth.visible()).collect();
+        let seen: Vec<&&Outcome> = all.iter().filter(|o| o.visible()).collect();
         let count = |g: Grade| seen.iter().filter(|o| o.grade() == g).count();
-        let unseen_wrong = all.iter().filter(|o| !o.truth.visible() && o.grade() == Grade::Wrong).count();
+        let unseen_wrong = all.iter().filter(|o| !o.visible() && o.grade() == Grade::Wrong).count();
         let ratio: Vec<f64> = seen.iter().filter_map(|o| o.falls()).map(|(p, a)| p / a).collect();
         let bias: Vec<(f64, f64)> = seen.iter().filter_map(|o| o.gc_bias()).collect();
         let percent = |v: Vec<f64>| median(&v).map_or("–".into(), |m| format!("{:.1} %", 100.0 * m));
@@ -62,7 +62,7 @@ fn list(outcomes: &[Outcome], title: &str, which: impl Fn(&Outcome) -> bool) -> 
             .effects
             .iter()
             .zip(&t.strengths)
-            .map(|(e, s)| format!("{e} ({s}; {:.0})", t.each_over_noise.get(e).copied().unwrap_or(0.0)))
+            .map(|(e, s)| format!("{e} ({s}; {:.0})", o.signal(e)))
             .collect();
         let ends = |f: &dyn Fn(&crate::outcome::Step) -> f64| match (o.ladder.first(), o.ladder.last()) {
             (Some(a), Some(b)) => (f(a), f(b)),

@@ -1,0 +1,203 @@
+//! What no base parameter can imitate, found by letting them try: the base model, fitted to the noise-free forces of
+//! the truth. The tangent's estimate of [`crate::signal`] holds for base parameters that move little; these move as far
+//! as it pays.
+
+use crate::GenerateError;
+use crate::files::{self, Truth, VISIBLE};
+use crate::forward::{self, add_effect, never, slots};
+use crate::outside::Outside;
+use analysis::{FeProblem, frees, run_options};
+use input::{Case, NoEffects};
+use inverse::{Data, FitOptions, NoiseModel, Problem};
+use model::{Catalogue, Channel, Discretisation, Model};
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, VecDeque};
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+
+/// File name of the measure.
+const FILE: &str = "imitated.json";
+
+/// Relative fall of χ² that ends the imitation.
+const TOLERANCE: f64 = 1e-4;
+
+/// Steps at most; an imitation whose latest three steps, repeated as often, would leave more than counts as visible
+/// ends before.
+const STEPS: usize = 60;
+
+/// Newton iterations after which a trial counts as not computable, as in the search.
+const BUDGET: usize = 2500;
+
+/// What is left of one hidden effect when every parameter of the model without it has tried to take its place.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Left {
+    /// Norm over all force points, over the (correlated) noise, at the truth's values: before the imitation.
+    pub before: f64,
+    /// The same after it; below 8 the imitation was not pursued.
+    pub after: f64,
+    /// The parameter that moved most, relative to its true value, and by how much.
+    pub moved: Option<(String, f64)>,
+    /// Why the imitation ended.
+    pub stop: String,
+}
+
+/// Of every hidden effect, in the presence of the others.
+pub type Imitated = BTreeMap<String, Left>;
+
+/// Whether the records can see all that is hidden: 8 times the noise, every effect of it.
+pub fn visible(left: &Imitated) -> bool {
+    !left.is_empty() && left.values().all(|l| l.after >= VISIBLE)
+}
+
+/// The stored measure of a case.
+pub fn stored(folder: &Path) -> Option<Imitated> {
+    serde_json::from_str(&std::fs::read_to_string(folder.join(FILE)).ok()?).ok()
+}
+
+/// Measures a case and stores the answer beside it.
+///
+/// # Errors
+/// When its files cannot be read or written, or the truth cannot be run on the mesh of the identification.
+pub fn measure(folder: &Path) -> Result<Imitated, GenerateError> {
+    let truth = files::truth(folder)?;
+    let path = folder.join("config.toml");
+    let mut case = input::read_case(&path, &NoEffects)
+        .map_err(|e| GenerateError::file(&path.display().to_string(), &e))?;
+    truth.tissue.put(&mut case);
+    let trial = Trial { catalogue: forward::catalogue(), truth: &truth, base: case };
+    let forces = trial.forces()?;
+    let mut left = Imitated::new();
+    for hidden in &truth.effects {
+        left.insert(hidden.clone(), trial.imitate(hidden, &forces)?);
+    }
+    let path = folder.join(FILE);
+    let fault = |e: &dyn std::fmt::Display| GenerateError::file(&path.display().to_string(), e);
+    let json = serde_json::to_string_pretty(&left).map_err(|e| fault(&e))?;
+    std::fs::write(&path, json).map_err(|e| fault(&e))?;
+    Ok(left)
+}
+
+/// A truth on the mesh of the identification.
+struct Trial<'a> {
+    catalogue: Catalogue,
+    truth: &'a Truth,
+    /// With the true tissue and nothing hidden.
+    base: Case,
+}
+
+impl Trial<'_> {
+    /// The case with all that is hidden but one effect; what falsifies records is no part of a case.
+    fn without(&self, left_out: Option<&str>) -> Result<Case, GenerateError> {
+        let mut case = self.base.clone();
+        for (name, values) in &self.truth.effect_parameters {
+            let law = match outside(name) {
+                Some(o) if o.is_law() => "outside_suture",
+                Some(_) => continue,
+                None => name,
+            };
+            if left_out != Some(name.as_str()) {
+                let values: Vec<(&str, f64)> = values.iter().map(|(n, v)| (n.as_str(), *v)).collect();
+                add_effect(&mut case, &self.catalogue, law, &values)?;
+            }
+        }
+        Ok(case)
+    }
+
+    /// Forces of the truth, tests one after the other.
+    fn forces(&self) -> Result<Vec<Vec<f64>>, GenerateError> {
+        let case = self.without(None)?;
+        let slots = slots(&case, Channel::Force);
+        let options = run_options(&case);
+        let model = Model::new(Arc::new(case.clone()), &self.catalogue, Discretisation::default())?;
+        let problem = FeProblem::new(&model, model.theta(), Vec::new(), &slots, options, &never);
+        let all = problem.predict(&[], false)?.values;
+        let mut rest = all.as_slice();
+        let mut forces = Vec::new();
+        for (test, slot) in case.tests.iter().zip(&slots) {
+            let (mine, others) = rest.split_at(slot.rows.len());
+            rest = others;
+            let mut force = mine.to_vec();
+            for (name, values) in &self.truth.effect_parameters {
+                if let (Some(o), Some(record)) = (outside(name).filter(|o| !o.is_law()), &test.record) {
+                    force = o.falsify(&o.in_order(values), test.kind, record, &force);
+                }
+            }
+            forces.push(force);
+        }
+        Ok(forces)
+    }
+
+    /// Fits the model without `hidden` to these forces, from the true values, within its bounds and without priors.
+    fn imitate(&self, hidden: &str, forces: &[Vec<f64>]) -> Result<Left, GenerateError> {
+        let case = self.without(Some(hidden))?;
+        let (slots, options) = (slots(&case, Channel::Force), run_options(&case));
+        let model = Model::new(Arc::new(case), &self.catalogue, Discretisation::default())?;
+        let (theta, free) = (model.theta(), model.free());
+        let noise = |name: &str| {
+            let sd = self.truth.noise_sd_n.get(name).copied();
+            sd.ok_or_else(|| GenerateError::Model(format!("the truth tells no noise of the test {name}")))
+        };
+        let mut parts = Vec::new();
+        for (t, force) in model.tests.iter().zip(forces) {
+            let sd = noise(&t.test.name)?;
+            parts.push((t.test.name.clone(), force.clone(), NoiseModel::ar1(sd, self.truth.noise_ar1)));
+        }
+        let data = Data::from_parts(parts).map_err(|e| GenerateError::Model(e.to_string()))?;
+        let mut problem = FeProblem::new(&model, theta.clone(), free.clone(), &slots, options, &never);
+        problem.options.march.budget = BUDGET;
+        let how = FitOptions {
+            tolerance: TOLERANCE,
+            max_iterations: STEPS,
+            max_trials: 10,
+            initial_damping: 1e-2,
+            jacobian_with_trial: false,
+            max_step: 0.7,
+            ..FitOptions::default()
+        };
+        let list = frees(&model, &theta, &free);
+        let mut watch = Watch::default();
+        let fit = inverse::fit(&problem, &data, &list, &how, &mut |i| watch.see(i))
+            .map_err(|e| GenerateError::Model(format!("{}: {e}", self.truth.name)))?;
+        let moved = free
+            .iter()
+            .zip(&fit.theta)
+            .filter(|(i, _)| theta[**i] != 0.0)
+            .map(|(&i, v)| (model.parameters[i].path.clone(), v / theta[i] - 1.0))
+            .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        Ok(Left {
+            before: watch.first.unwrap_or(f64::NAN).sqrt(),
+            after: fit.f.sqrt(),
+            moved,
+            stop: watch.enough.unwrap_or(fit.stop.sentence()).to_owned(),
+        })
+    }
+}
+
+/// Ends an imitation that has told what was asked.
+#[derive(Default)]
+struct Watch {
+    first: Option<f64>,
+    /// χ² after the latest steps, newest last.
+    latest: VecDeque<f64>,
+    enough: Option<&'static str>,
+}
+
+impl Watch {
+    fn see(&mut self, i: &inverse::Iterate) -> ControlFlow<()> {
+        let Some(f) = i.f.filter(|_| i.accepted) else { return ControlFlow::Continue(()) };
+        self.first = self.first.or(Some(f));
+        self.latest.push_back(f);
+        let before = if self.latest.len() > 3 { self.latest.pop_front() } else { None };
+        if f < VISIBLE.powi(2) {
+            self.enough = Some("What is left cannot be seen.");
+        } else if before.is_some_and(|b| f * (f / b).powf(STEPS as f64 / 3.0) > VISIBLE.powi(2)) {
+            self.enough = Some("What is left falls too slowly to fall below what can be seen.");
+        }
+        if self.enough.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+fn outside(name: &str) -> Option<Outside> {
+    Outside::ALL.into_iter().find(|o| o.word() == name)
+}
