@@ -42,7 +42,7 @@ peers:
 practice:
     cargo run --release -p analysis --example disc -- ../shared/practice/*/config.toml
 
-# The hidden-effect study: makes 207 cases in runs/hidden, diagnoses them, writes docs/hidden.md. Hours; resumes.
+# The hidden-effect study: makes 222 cases in runs/hidden, diagnoses them, writes docs/hidden.md. Hours; resumes.
 hidden:
     cargo run --release -p hidden-suite -- all
 
@@ -54,12 +54,16 @@ hidden-quick:
 real:
     cargo run --release -p analysis --example disc -- ../shared/real/*/config.toml
 
-# Coverage of intervals and uniformity of the screen's p-values, with finite elements (docs/reliability.md). Minutes.
+# Coverage of intervals and uniformity of the screen's p-values, with finite elements (docs/reliability.md): mesh error above the noise, and below it. An hour.
 coverage:
     cargo run --release -p analysis --example coverage -- 200
+    cargo run --release -p analysis --example coverage -- 200 0.025
 
-# Ten million damaged files for the readers, a hundred thousand for the way to a model.
+# Ten million damaged files for the readers, a hundred thousand for the way to a model; on a disk the files take most of the time.
 fuzz:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    if [ -d /dev/shm ]; then export TMPDIR=/dev/shm; fi
     FCT_CASES=2500000 cargo test --release -p input --test robust _panic
     FCT_CASES=100000 cargo test --release -p workspace-tests --test config_to_model
 

@@ -1,6 +1,7 @@
 //! Whether 95 % intervals hold the truth in 95 % of repeats, and whether p-values of the screen are uniform where no
 //! effect is hidden, with finite elements from records to intervals: `just coverage`, or
-//! `cargo run --release -p analysis --example coverage -- 200` for 200 repeats each of white and AR(1) noise.
+//! `cargo run --release -p analysis --example coverage -- 200` for 200 repeats each of white and AR(1) noise; a second
+//! number is the noise as a share of each record's peak.
 //!
 //! A repeat is a record of the fit's own model at the truth plus drawn noise plus the drawn multiple of its
 //! numerical error (difference to a mesh twice as coarse) that the intervals assume. Noise levels are estimated
@@ -14,6 +15,7 @@ use model::{Discretisation, Model};
 use nalgebra::DVector;
 use rayon::prelude::*;
 use statrs::distribution::Uniform;
+use statrs::statistics::Statistics;
 use statrs::stats_tests::NaNPolicy;
 use statrs::stats_tests::ks_test::{KSOneSampleAlternativeMethod, ks_onesample};
 use std::collections::BTreeMap;
@@ -59,8 +61,9 @@ const STARTS: [(&str, &str); 4] = [
     ("sigma_c_MPa = 0.08", "sigma_c_MPa = 0.06"),
 ];
 
-/// Noise of each record as a share of its peak, and its correlations.
+/// Noise of each record as a share of its peak, unless the command line says otherwise.
 const NOISE: f64 = 0.01;
+/// Correlations of the noise.
 const AR1: [f64; 2] = [0.0, 0.5];
 
 /// Displacement corners of the two protocols, and points of each leg.
@@ -110,9 +113,12 @@ fn identify(case: &Case) -> Identified {
         .unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// What one repeat says: per identifiable parameter whether its interval holds the truth, per effect its p-value.
+/// What one repeat says: per identifiable parameter whether its interval holds the truth and how far it is from it, per
+/// effect its p-value.
 struct Said {
     holds: Vec<(String, bool)>,
+    /// Distances from the truth in standard errors.
+    distances: Vec<(String, f64)>,
     p_values: Vec<(String, f64)>,
     alarm: bool,
 }
@@ -124,7 +130,7 @@ fn starts() -> String {
 
 fn repeat(
     seed: u64,
-    ar1: f64,
+    (noise, ar1): (f64, f64),
     clean: &DVector<f64>,
     error: &DVector<f64>,
     truth: &BTreeMap<String, f64>,
@@ -133,11 +139,11 @@ fn repeat(
     let mut forces = clean.clone();
     let (n, m) = (schedule(UNIAXIAL).len(), schedule(TEARING).len());
     for (start, len) in [(0, n), (n, m)] {
-        let sd = NOISE * clean.rows(start, len).amax();
+        let sd = noise * clean.rows(start, len).amax();
         let factor = random.normal();
-        let noise = random.ar1(len, sd, ar1) + factor * error.rows(start, len);
+        let drawn = random.ar1(len, sd, ar1) + factor * error.rows(start, len);
         let mut rows = forces.rows_mut(start, len);
-        rows += noise;
+        rows += drawn;
     }
     let folder = tempfile::tempdir().expect("a folder");
     let mut case = case(folder.path(), forces.as_slice(), &starts());
@@ -152,9 +158,16 @@ fn repeat(
             (f.path.clone(), e.interval_95[0] <= truth[&f.path] && truth[&f.path] <= e.interval_95[1])
         })
         .collect();
+    let distances = found
+        .frees
+        .iter()
+        .zip(estimates)
+        .filter(|(_, e)| e.identifiable)
+        .filter_map(|(f, e)| Some((f.path.clone(), (e.value - truth[&f.path]) / e.std_error?)))
+        .collect();
     if std::env::var("V").is_ok() {
         let own = (&found.numerical_error - error).norm() / error.norm();
-        println!("own error differs {own:.2}");
+        println!("own error differs {own:.2}; intervals led by it: {:?}", found.led_by_mesh);
         println!("repeat {seed}: chi2 {:.3} stops {:?}", found.quality.reduced_chi2_total, found.stopped);
         for ((f, e), i) in found.frees.iter().zip(estimates).zip(&found.free) {
             println!(
@@ -182,7 +195,7 @@ fn repeat(
     let screen = ladder.screen(&base).unwrap_or_else(|e| panic!("{e}"));
     let p_values =
         screen.findings.iter().filter(|f| !f.refit_only).map(|f| (f.effect.clone(), f.p_value)).collect();
-    Said { holds, p_values, alarm: screen.findings.iter().any(|f| f.significant) }
+    Said { holds, distances, p_values, alarm: screen.findings.iter().any(|f| f.significant) }
 }
 
 /// Number of p-values below `top`, and the Kolmogorov–Smirnov p-value that they are uniform there.
@@ -196,6 +209,7 @@ fn ks(p: &[f64], top: f64) -> (usize, f64) {
 
 fn main() {
     let repeats: u64 = std::env::args().nth(1).and_then(|n| n.parse().ok()).unwrap_or(200);
+    let noise: f64 = std::env::args().nth(2).and_then(|n| n.parse().ok()).unwrap_or(NOISE);
     let folder = tempfile::tempdir().expect("a folder");
     let points = schedule(UNIAXIAL).len() + schedule(TEARING).len();
     let placeholder: Vec<f64> = (0..points).map(|i| 1.0 + (i % 7) as f64).collect();
@@ -204,26 +218,31 @@ fn main() {
     let at = |f: &inverse::Free| model.find(&f.path).map(|i| (f.path.clone(), model.theta()[i]));
     let truth: BTreeMap<String, f64> = known.frees.iter().filter_map(at).collect();
     for (start, len) in [(0, schedule(UNIAXIAL).len()), (schedule(UNIAXIAL).len(), schedule(TEARING).len())] {
-        let sd = NOISE * clean.rows(start, len).amax();
+        let sd = noise * clean.rows(start, len).amax();
         let rms = known.numerical_error.rows(start, len).norm() / (len as f64).sqrt();
         println!("numerical error: {:.2} of the noise (root mean square)", rms / sd);
     }
     for ar1 in AR1 {
         let said: Vec<Said> = (0..repeats)
             .into_par_iter()
-            .map(|k| repeat(1000 + k, ar1, &clean, &known.numerical_error, &truth))
+            .map(|k| repeat(1000 + k, (noise, ar1), &clean, &known.numerical_error, &truth))
             .collect();
-        println!("noise {} % of peak, AR(1) {ar1}, {repeats} repeats", 100.0 * NOISE);
+        println!("noise {} % of peak, AR(1) {ar1}, {repeats} repeats", 100.0 * noise);
         let mut holds: BTreeMap<&str, Vec<bool>> = BTreeMap::new();
         said.iter().flat_map(|s| &s.holds).for_each(|(p, h)| holds.entry(p).or_default().push(*h));
+        let mut distances: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+        said.iter().flat_map(|s| &s.distances).for_each(|(p, z)| distances.entry(p).or_default().push(*z));
         let (mut all, mut within) = (0, 0);
         for (path, h) in &holds {
             let inside = h.iter().filter(|h| **h).count();
             (all, within) = (all + h.len(), within + inside);
+            let z = distances.get(path).map_or(&[][..], Vec::as_slice);
             println!(
-                "  {path:32} {inside:4} of {:4} ({:.1} %)",
+                "  {path:32} {inside:4} of {:4} ({:.1} %); in standard errors from the truth: mean {:.2}, sd {:.2}",
                 h.len(),
-                100.0 * inside as f64 / h.len() as f64
+                100.0 * inside as f64 / h.len() as f64,
+                z.mean(),
+                z.std_dev()
             );
         }
         println!("  all identifiable parameters: {:.1} %", 100.0 * within as f64 / all as f64);

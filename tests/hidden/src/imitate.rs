@@ -23,8 +23,9 @@ const FILE: &str = "imitated.json";
 const TOLERANCE: f64 = 1e-4;
 
 /// Steps at most; an imitation whose latest three steps, repeated as often, would leave more than counts as visible
-/// ends before.
+/// ends before, if it still leaves twice as much.
 const STEPS: usize = 60;
+const NEAR: f64 = 2.0;
 
 /// Newton iterations after which a trial counts as not computable, as in the search.
 const BUDGET: usize = 2500;
@@ -191,7 +192,9 @@ impl Watch {
         let before = if self.latest.len() > 3 { self.latest.pop_front() } else { None };
         if f < VISIBLE.powi(2) {
             self.enough = Some("What is left cannot be seen.");
-        } else if before.is_some_and(|b| f * (f / b).powf(STEPS as f64 / 3.0) > VISIBLE.powi(2)) {
+        } else if f > (NEAR * VISIBLE).powi(2)
+            && before.is_some_and(|b| f * (f / b).powf(STEPS as f64 / 3.0) > VISIBLE.powi(2))
+        {
             self.enough = Some("What is left falls too slowly to fall below what can be seen.");
         }
         if self.enough.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

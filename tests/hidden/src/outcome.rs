@@ -164,6 +164,11 @@ impl Outcome {
         self.imitated.as_ref().map_or(self.truth.visible(), imitate::visible)
     }
 
+    /// Whether the answer says that the record is not explained, or that it cannot tell.
+    pub fn is_honest(&self) -> bool {
+        self.verdict == "unexplained" || self.verdict == "ambiguous"
+    }
+
     /// What can be seen of one hidden effect, over the noise.
     pub fn signal(&self, effect: &str) -> f64 {
         let tangent = self.truth.each_over_noise.get(effect).copied().unwrap_or(0.0);

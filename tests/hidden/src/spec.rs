@@ -94,6 +94,10 @@ pub fn suite(catalogue: &Catalogue) -> Vec<Spec> {
             list.push((both[i % 2], Hidden::Outside(outside, strength)));
         }
     }
+    // The same pairs, stronger: at 1.5 one of the two is often for the others to imitate. Last, lest a case change its number.
+    for (a, b) in &PAIRS {
+        list.push((Protocol::Rich, Hidden::Effects(vec![((*a).into(), 2.0), ((*b).into(), 2.0)])));
+    }
     list.into_iter()
         .enumerate()
         .map(|(i, (protocol, hidden))| Spec {

@@ -114,6 +114,8 @@ pub struct Identified {
     pub quality: Quality,
     /// Intervals, in the order of `free`.
     pub uncertainty: Uncertainty,
+    /// Parameters whose variance is more the mesh's error than the noise.
+    pub led_by_mesh: Vec<String>,
     /// What a mesh twice as coarse predicts less, per point.
     pub numerical_error: DVector<f64>,
     /// Accepted steps on the given mesh, per stage the largest.

@@ -248,6 +248,7 @@ impl<'a> Work<'a> {
                 }
             }
         };
+        let noisy = measured.clone();
         let measured = measured.with_numerical_error(&numerical_error);
         let last = list.last().map_or(Stage::Joint, |l| l.0);
         let objective = if last == Stage::Joint { Objective::Record } else { Objective::PaperSum };
@@ -265,10 +266,14 @@ impl<'a> Work<'a> {
         };
         let quality = quality(&measured.data, &list_free, &fit);
         let rule = Identifiability::default();
-        let uncertainty = match (&self.held, last) {
-            (Some(_), Stage::Interface) => self.staged_intervals(&fine, &measured, &fit, &free, &rule)?,
-            _ => uncertainty(&measured.data, &list_free, &fit, &rule)?,
+        let intervals = |of: &Measured| match (&self.held, last) {
+            (Some(_), Stage::Interface) => self.staged_intervals(&fine, of, &fit, &free, &rule),
+            _ => Ok(uncertainty(&of.data, &list_free, &fit, &rule)?),
         };
+        let uncertainty = intervals(&measured)?;
+        let by_noise = intervals(&noisy)?;
+        let led = |k: &usize| uncertainty.covariance_z[(*k, *k)] > 2.0 * by_noise.covariance_z[(*k, *k)];
+        let led_by_mesh = (0..free.len()).filter(led).map(|k| list_free[k].path.clone()).collect();
         Ok(Identified {
             model: fine,
             measured,
@@ -278,6 +283,7 @@ impl<'a> Work<'a> {
             fit,
             quality,
             uncertainty,
+            led_by_mesh,
             numerical_error,
             iterations: self.iterations,
             forward_runs: self.runs,

@@ -1,6 +1,6 @@
 //! The answer of `fct identify`.
 
-use super::remarks::{held_at_limits, mesh_errors, remarks};
+use super::remarks::{held_at_limits, led_by_mesh, remarks};
 use super::{EnergyAnswer, SCHEMA, finite};
 use crate::published::Published;
 use analysis::{HistoryEntry, Identified, SimulatedTest};
@@ -59,7 +59,7 @@ pub struct IdentifyAnswer {
     /// Published values beside the identified ones, where the specimen has some.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub published: Option<PublishedSummary>,
-    /// Meshes too coarse, errors of the mesh above the noise, steps too large.
+    /// Meshes too coarse, intervals that are mostly the mesh's error, steps too large.
     #[serde(default)]
     pub remarks: Vec<String>,
     /// How several starts agreed, where there were several.
@@ -190,7 +190,8 @@ impl IdentifyAnswer {
             })
             .collect();
         let limits = held_at_limits(&done.model.parameters).into_iter();
-        let remarks = limits.chain(mesh_errors(&tests)).chain(remarks(replayed)).collect();
+        let led = led_by_mesh(&done.led_by_mesh, &tests);
+        let remarks = limits.chain(led).chain(remarks(replayed)).collect();
         Self {
             schema: SCHEMA,
             specimen: case.name.clone(),

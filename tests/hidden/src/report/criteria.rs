@@ -23,6 +23,11 @@ fn at_most(what: &'static str, part: usize, whole: usize, most: f64) -> Row {
     Row { what, wanted: format!("≤ {:.0} %", 100.0 * most), measured: share(part, whole), met }
 }
 
+/// A rate of which nothing is asked.
+fn count_of(what: &'static str, part: usize, whole: usize) -> Row {
+    Row { what, wanted: "–".into(), measured: share(part, whole), met: None }
+}
+
 /// A median departure that must not exceed `most`.
 fn median_at_most(what: &'static str, values: &[f64], most: f64, note: &str) -> Row {
     let m = median(values);
@@ -71,7 +76,9 @@ fn rows(outcomes: &[Outcome]) -> Vec<Row> {
     let alarms = none.iter().filter(|o| !o.found.is_empty()).count();
     let open = none.iter().filter(|o| o.verdict == "unexplained").count();
     let outside: Vec<&Outcome> = outcomes.iter().filter(|o| o.truth.is_outside() && o.visible()).collect();
-    let honest = outside.iter().filter(|o| o.verdict == "unexplained" || o.verdict == "ambiguous").count();
+    let honest = outside.iter().filter(|o| o.is_honest()).count();
+    let wrong = outside.iter().filter(|o| !o.is_honest() && !o.found.is_empty()).count();
+    let none_named = outside.iter().filter(|o| o.found.is_empty()).count();
     let pairs: Vec<&Outcome> =
         outcomes.iter().filter(|o| o.truth.effects.len() == 2 && o.visible()).collect();
     let both = pairs.iter().filter(|o| matches!(o.grade(), Grade::Right | Grade::Extra)).count();
@@ -101,6 +108,8 @@ fn rows(outcomes: &[Outcome]) -> Vec<Row> {
         at_most("false alarms on records without effect", alarms, none.len(), 0.05),
         at_most("the same, called unexplained", open, none.len(), 0.05),
         at_least("visible outside effects `unexplained` or `ambiguous`", honest, outside.len(), 0.8),
+        at_most("the same, explained by a wrong name", wrong, outside.len(), 0.2),
+        count_of("the same, given no name at all", none_named, outside.len()),
         at_least("visible pairs, both found", both, pairs.len(), 0.7),
         median_at_most("predicted against actual fall of χ²", &falls, 0.25, ""),
         median_at_most("error of Gc after adding the effect", &after, 0.03, &was),

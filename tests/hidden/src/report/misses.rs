@@ -8,11 +8,11 @@ use std::fmt::Write as _;
 fn missed(o: &Outcome) -> bool {
     let t = &o.truth;
     if t.is_outside() {
-        return o.visible() && o.verdict == "explained";
+        return o.visible() && !o.is_honest();
     }
     match o.grade() {
         Grade::Right => false,
-        Grade::Abstained => o.visible(),
+        Grade::Abstained | Grade::Part => o.visible(),
         // A wrong or surplus name is a miss whether or not the record could see the truth.
         _ => true,
     }
@@ -21,8 +21,8 @@ fn missed(o: &Outcome) -> bool {
 /// The list.
 pub fn section(outcomes: &[Outcome]) -> String {
     let mut text = String::from(
-        "## Misses\n\nVisible effects that were not named, alone or in their group; names that are not true, visible or \
-         not; outside effects that were answered `explained`.\n\n",
+        "## Misses\n\nVisible effects that were not named, alone or in their group, or only one of a pair; names that are \
+         not true, visible or not; visible outside effects that were answered neither `unexplained` nor `ambiguous`.\n\n",
     );
     let list: Vec<&Outcome> = outcomes.iter().filter(|o| missed(o)).collect();
     for o in &list {
