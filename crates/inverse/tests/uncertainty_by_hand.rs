@@ -245,7 +245,7 @@ fn a_parameter_at_a_bound_costs_no_freedom_and_answers_to_nothing() {
 fn a_logit_at_its_end_is_measured_in_quarters() {
     let d = data(&truth(&Toy(5, line), &[1.0, -1.0]), NoiseModel::white(0.5));
     let mut free = free(10.0);
-    free[1] = Free::new("b", (0.0, 3.0), Transform::Logit { lower: 0.0, upper: 3.0 }, 1.0);
+    free[1] = Free::new("b", (1.0, 4.0), Transform::Logit { lower: 1.0, upper: 4.0 }, 2.0);
     let end = quiet(&Toy(5, line), &d, &free, &exactly(Objective::Whitened));
     let u = uncertainty(&d, &free, &end, &Identifiability::default()).unwrap();
     assert!(u.estimates[1].at_bound);
