@@ -108,7 +108,7 @@ fn rows(outcomes: &[Outcome]) -> Vec<Row> {
         at_most("false alarms on records without effect", alarms, none.len(), 0.05),
         at_most("the same, called unexplained", open, none.len(), 0.05),
         at_least("visible outside effects `unexplained` or `ambiguous`", honest, outside.len(), 0.8),
-        at_most("the same, explained by a wrong name", wrong, outside.len(), 0.2),
+        count_of("the same, explained by a wrong name", wrong, outside.len()),
         count_of("the same, given no name at all", none_named, outside.len()),
         at_least("visible pairs, both found", both, pairs.len(), 0.7),
         median_at_most("predicted against actual fall of χ²", &falls, 0.25, ""),
