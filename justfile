@@ -54,7 +54,7 @@ hidden-quick:
 real:
     cargo run --release -p analysis --example disc -- ../shared/real/*/config.toml
 
-# Coverage of intervals and uniformity of the screen's p-values, with finite elements (docs/reliability.md): mesh error above the noise, and below it. An hour.
+# Coverage of intervals and uniformity of the screen's p-values, with finite elements (docs/reliability.md): mesh error above the noise, and below it. Half an hour.
 coverage:
     cargo run --release -p analysis --example coverage -- 200
     cargo run --release -p analysis --example coverage -- 200 0.025

@@ -27,6 +27,9 @@ const TOLERANCE: f64 = 1e-4;
 const STEPS: usize = 60;
 const NEAR: f64 = 2.0;
 
+/// Tangent's estimate from which an imitation is worth its time.
+const DOUBT: f64 = 5.0;
+
 /// Newton iterations after which a trial counts as not computable, as in the search.
 const BUDGET: usize = 2500;
 
@@ -49,6 +52,12 @@ pub type Imitated = BTreeMap<String, Left>;
 /// Whether the records can see all that is hidden: 8 times the noise, every effect of it.
 pub fn visible(left: &Imitated) -> bool {
     !left.is_empty() && left.values().all(|l| l.after >= VISIBLE)
+}
+
+/// Whether the tangent's estimate leaves a doubt; below, the case counts by it as not visible.
+pub fn worth(folder: &Path) -> bool {
+    files::truth(folder)
+        .is_ok_and(|t| !t.effects.is_empty() && t.each_over_noise.values().all(|s| *s >= DOUBT))
 }
 
 /// The stored measure of a case.

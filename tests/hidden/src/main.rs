@@ -107,12 +107,14 @@ fn make(args: &Args, specs: &[Spec]) -> bool {
     !failed.into_inner()
 }
 
+/// Folders of complete cases for which something is still to be done.
+fn open(args: &Args, specs: &[Spec], done: impl Fn(&Path) -> bool) -> Vec<PathBuf> {
+    let all = specs.iter().map(|s| folder(args, s));
+    all.filter(|f| f.join("truth.json").is_file() && !done(f)).collect()
+}
+
 fn measure(args: &Args, specs: &[Spec]) -> bool {
-    let open: Vec<PathBuf> = specs
-        .iter()
-        .map(|s| folder(args, s))
-        .filter(|f| f.join("truth.json").is_file() && imitate::stored(f).is_none())
-        .collect();
+    let open = open(args, specs, |f| imitate::stored(f).is_some() || !imitate::worth(f));
     eprintln!("{} cases to imitate", open.len());
     let failed = std::sync::atomic::AtomicBool::new(false);
     run::each(&open, args.jobs, |f| {
@@ -144,11 +146,7 @@ fn measure(args: &Args, specs: &[Spec]) -> bool {
 }
 
 fn diagnose(args: &Args, specs: &[Spec]) -> bool {
-    let open: Vec<PathBuf> = specs
-        .iter()
-        .map(|s| folder(args, s))
-        .filter(|f| f.join("truth.json").is_file() && run::stored(f).is_none())
-        .collect();
+    let open = open(args, specs, |f| run::stored(f).is_some());
     eprintln!("{} cases to diagnose", open.len());
     run::each(&open, args.jobs, |f| {
         let say = |s: &str| {

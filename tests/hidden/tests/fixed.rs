@@ -3,6 +3,7 @@
 
 use hidden_suite::forward::Fineness;
 use hidden_suite::generate::generate;
+use hidden_suite::imitate;
 use hidden_suite::outcome::{End, Grade, Outcome};
 use hidden_suite::run;
 use hidden_suite::spec::{Hidden, Protocol, Spec};
@@ -56,6 +57,24 @@ fn a_limit_point_beyond_the_end_of_the_record() {
     for o in diagnosed(&[spec("beyond", 21, &[])], root.path()) {
         assert_eq!(o.end, End::Answered);
     }
+}
+
+/// A false gain is imitated by stiffer and stronger tissue; softening by stretch is not.
+#[test]
+fn base_parameters_imitate_what_they_can() {
+    let root = tempfile::tempdir().expect("a folder");
+    let measured = |name: &str, seed: u64, effect: &str| {
+        let folder = root.path().join(name);
+        generate(&spec(name, seed, &[(effect, 1.0)]), &Fineness::QUICK, &folder).expect("made");
+        let left = imitate::measure(&folder).expect("measured");
+        assert_eq!(imitate::stored(&folder).expect("stored").len(), 1);
+        println!("{name}: {:.1} → {:.1}, {}", left[effect].before, left[effect].after, left[effect].stop);
+        (imitate::visible(&left), left[effect].clone())
+    };
+    let (seen, gain) = measured("gain", 5, "gain");
+    assert!(!seen && gain.before > 8.0, "{gain:?}");
+    let (seen, mullins) = measured("mullins", 22, "mullins");
+    assert!(seen && mullins.after < mullins.before, "{mullins:?}");
 }
 
 /// The same seed makes the same files.
