@@ -1,7 +1,7 @@
 //! Whether 95 % intervals hold the truth in 95 % of repeats, and whether p-values of the screen are uniform where no
 //! effect is hidden, with finite elements from records to intervals: `just coverage`, or
 //! `cargo run --release -p analysis --example coverage -- 200` for 200 repeats each of white and AR(1) noise; a second
-//! number is the noise as a share of each record's peak.
+//! number is the noise as a share of each record's peak, a third the elements along and across the strip (12).
 //!
 //! A repeat is a record of the fit's own model at the truth plus drawn noise plus the drawn multiple of its
 //! numerical error (difference to a mesh twice as coarse) that the intervals assume. Noise levels are estimated
@@ -38,7 +38,7 @@ data = "uniaxial.csv"
 kind = "tearing"
 data = "tearing.csv"
 [mesh]
-divisions = [12, 12, 1]
+divisions = [DIVISIONS, DIVISIONS, 1]
 [bulk]
 mu_kPa = { start = 6.0, fixed = true }
 k1_kPa = 700.0
@@ -52,6 +52,9 @@ sigma_c_MPa = 0.08
 [identify]
 mode = "joint"
 "#;
+
+/// Elements along and across the strip, unless the command line says otherwise.
+const DIVISIONS: usize = 12;
 
 /// What the file of a fit says instead of the truth.
 const STARTS: [(&str, &str); 4] = [
@@ -123,9 +126,14 @@ struct Said {
     alarm: bool,
 }
 
+/// The config at the truth, on a mesh of so many elements along and across.
+fn config(divisions: usize) -> String {
+    CONFIG.replace("DIVISIONS", &divisions.to_string())
+}
+
 /// The config with other start values.
-fn starts() -> String {
-    STARTS.iter().fold(CONFIG.to_owned(), |text, (truth, start)| text.replace(truth, start))
+fn starts(config: &str) -> String {
+    STARTS.iter().fold(config.to_owned(), |text, (truth, start)| text.replace(truth, start))
 }
 
 fn repeat(
@@ -134,6 +142,7 @@ fn repeat(
     clean: &DVector<f64>,
     error: &DVector<f64>,
     truth: &BTreeMap<String, f64>,
+    config: &str,
 ) -> Said {
     let mut random = Random::new(seed);
     let mut forces = clean.clone();
@@ -146,7 +155,7 @@ fn repeat(
         rows += drawn;
     }
     let folder = tempfile::tempdir().expect("a folder");
-    let mut case = case(folder.path(), forces.as_slice(), &starts());
+    let mut case = case(folder.path(), forces.as_slice(), &starts(config));
     let found = identify(&case);
     let estimates = &found.uncertainty.estimates;
     let holds = found
@@ -210,11 +219,13 @@ fn ks(p: &[f64], top: f64) -> (usize, f64) {
 fn main() {
     let repeats: u64 = std::env::args().nth(1).and_then(|n| n.parse().ok()).unwrap_or(200);
     let noise: f64 = std::env::args().nth(2).and_then(|n| n.parse().ok()).unwrap_or(NOISE);
+    let divisions: usize = std::env::args().nth(3).and_then(|n| n.parse().ok()).unwrap_or(DIVISIONS);
+    let config = config(divisions);
     let folder = tempfile::tempdir().expect("a folder");
     let points = schedule(UNIAXIAL).len() + schedule(TEARING).len();
     let placeholder: Vec<f64> = (0..points).map(|i| 1.0 + (i % 7) as f64).collect();
-    let (model, clean) = clean(&case(folder.path(), &placeholder, CONFIG));
-    let known = identify(&case(folder.path(), clean.as_slice(), &starts()));
+    let (model, clean) = clean(&case(folder.path(), &placeholder, &config));
+    let known = identify(&case(folder.path(), clean.as_slice(), &starts(&config)));
     let at = |f: &inverse::Free| model.find(&f.path).map(|i| (f.path.clone(), model.theta()[i]));
     let truth: BTreeMap<String, f64> = known.frees.iter().filter_map(at).collect();
     for (start, len) in [(0, schedule(UNIAXIAL).len()), (schedule(UNIAXIAL).len(), schedule(TEARING).len())] {
@@ -225,9 +236,12 @@ fn main() {
     for ar1 in AR1 {
         let said: Vec<Said> = (0..repeats)
             .into_par_iter()
-            .map(|k| repeat(1000 + k, (noise, ar1), &clean, &known.numerical_error, &truth))
+            .map(|k| repeat(1000 + k, (noise, ar1), &clean, &known.numerical_error, &truth, &config))
             .collect();
-        println!("noise {} % of peak, AR(1) {ar1}, {repeats} repeats", 100.0 * noise);
+        println!(
+            "noise {} % of peak, AR(1) {ar1}, {divisions} × {divisions} elements, {repeats} repeats",
+            100.0 * noise
+        );
         let mut holds: BTreeMap<&str, Vec<bool>> = BTreeMap::new();
         said.iter().flat_map(|s| &s.holds).for_each(|(p, h)| holds.entry(p).or_default().push(*h));
         let mut distances: BTreeMap<&str, Vec<f64>> = BTreeMap::new();

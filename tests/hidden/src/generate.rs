@@ -183,23 +183,26 @@ impl Attempt<'_> {
         base: &Computed,
     ) -> Result<Option<Computed>, GenerateError> {
         let mut case = fine.clone();
-        let mut falsify = None;
+        let (mut falsify, mut moved) = (None, false);
         let kept = secret.parts.iter().enumerate().filter(|(i, _)| Some(*i) != left_out);
         for (_, (name, _, p)) in kept {
             match secret.outside {
                 Some(o) if o.is_law() => add_effect(&mut case, self.catalogue, "outside_suture", p)?,
-                Some(o) => falsify = Some((o, p)),
+                Some(o) => {
+                    moved = o.moves(p, &mut case);
+                    falsify = Some((o, p));
+                }
                 None => add_effect(&mut case, self.catalogue, name, p)?,
             }
         }
-        let computed = if case.effects.is_empty() {
+        let computed = if case.effects.is_empty() && !moved {
             Some(base.clone())
         } else {
             compute(&case, self.catalogue, self.fineness.steps)?
         };
         Ok(computed.map(|mut c| {
             if let Some((o, p)) = falsify {
-                for (t, force) in case.tests.iter().zip(&mut c.force) {
+                for (t, force) in fine.tests.iter().zip(&mut c.force) {
                     *force = t.record.as_ref().map_or(Vec::new(), |r| o.falsify(p, t.kind, r, force));
                 }
             }

@@ -1,10 +1,10 @@
-//! Effects that the catalogue does not hold: what a laboratory meets and nobody wrote down. Four falsify a computed
-//! record, one is a law on the tear path.
+//! Effects that the catalogue does not hold: what a laboratory meets and nobody wrote down. All but one falsify a
+//! computed record, that one is a law on the tear path.
 
 use crate::amplitude::{Parameters, Sizes};
 use crate::draw::{about_one, between};
 use effects::decorator::{Call, Decoration, decorate};
-use input::{Record, TestKind};
+use input::{Case, Record, TestKind};
 use inverse::Random;
 use model::{Action, Card, Effect, Options, Piece, Scales, Screening, Sided, Site};
 use params::{ParamSpec, Quantity};
@@ -25,12 +25,29 @@ pub enum Outside {
     LoadDelay,
     /// A linear suture near the mouth of the cut, which never lets go.
     Suture,
+    /// Play in the spindle behind the displacement's sensor: after each turn the strip rests until the play is taken up.
+    Backlash,
+    /// The load cell's zero jumps once (a cable is touched): F + f from then on.
+    ZeroJump,
+    /// A layer of the strip gives way at some opening and carries nothing from then on: F (1 − a).
+    LayerFailure,
 }
 
 impl Outside {
     /// All of them.
-    pub const ALL: [Self; 5] =
-        [Self::WanderingGain, Self::GuideFriction, Self::StickSlip, Self::LoadDelay, Self::Suture];
+    pub const ALL: [Self; 8] = [
+        Self::WanderingGain,
+        Self::GuideFriction,
+        Self::StickSlip,
+        Self::LoadDelay,
+        Self::Suture,
+        Self::Backlash,
+        Self::ZeroJump,
+        Self::LayerFailure,
+    ];
+
+    /// How many of them stand before the stronger pairs in the suite; the others came later and stand after them.
+    pub const FIRST: usize = 5;
 
     /// Name in the truth and in tables.
     pub const fn word(self) -> &'static str {
@@ -40,6 +57,9 @@ impl Outside {
             Self::StickSlip => "outside:stick_slip",
             Self::LoadDelay => "outside:load_delay",
             Self::Suture => "outside:suture",
+            Self::Backlash => "outside:backlash",
+            Self::ZeroJump => "outside:zero_jump",
+            Self::LayerFailure => "outside:layer_failure",
         }
     }
 
@@ -69,6 +89,11 @@ impl Outside {
             Self::Suture => {
                 vec![("k", 0.1 * a * s.tissue.mean_sigma_c() / (2.0 * s.tissue.delta_c())), ("reach", 0.12)]
             }
+            Self::Backlash => vec![("play", 0.01 * a * s.tearing.0)],
+            Self::ZeroJump => {
+                vec![("f", 0.03 * a * s.tearing.1), ("from", between(random, 0.3, 0.7) * s.duration.1)]
+            }
+            Self::LayerFailure => vec![("a", 0.06 * a), ("at", between(random, 0.4, 0.8) * s.tearing.0)],
         }
     }
 
@@ -80,6 +105,9 @@ impl Outside {
             Self::StickSlip => &["a", "period"],
             Self::LoadDelay => &["tau", "f_max"],
             Self::Suture => &["k", "reach"],
+            Self::Backlash => &["play"],
+            Self::ZeroJump => &["f", "from"],
+            Self::LayerFailure => &["a", "at"],
         };
         names.iter().map(|n| (*n, values.get(*n).copied().unwrap_or(0.0))).collect()
     }
@@ -99,9 +127,42 @@ impl Outside {
             Self::LoadDelay => (0..force.len())
                 .map(|i| delayed(record, force, i, p(0) * (force[i] / p(1)).max(0.0)))
                 .collect(),
-            Self::StickSlip | Self::Suture => force.to_vec(),
+            Self::ZeroJump if kind == TestKind::Tearing => {
+                record.time.iter().zip(force).map(|(t, f)| if *t >= p(1) { f + p(0) } else { *f }).collect()
+            }
+            Self::LayerFailure if kind == TestKind::Tearing => {
+                gives_way(&record.displacement, force, p(0), p(1))
+            }
+            _ => force.to_vec(),
         }
     }
+
+    /// Puts the motion that the strips feel in place of what the sensor reads; whether they differ.
+    pub fn moves(self, p: &Parameters, case: &mut Case) -> bool {
+        let backlash = self == Self::Backlash;
+        for r in case.tests.iter_mut().filter_map(|t| t.record.as_mut()).filter(|_| backlash) {
+            r.displacement = play(&r.displacement, p[0].1);
+        }
+        backlash
+    }
+}
+
+/// Play that is taken up in the sense of loading at the start: the strip moves as little as keeps its displacement
+/// between the sensor's and `play` more.
+fn play(u: &[f64], play: f64) -> Vec<f64> {
+    let mut felt = u.first().copied().unwrap_or(0.0);
+    u.iter()
+        .map(|&u| {
+            felt = felt.clamp(u, u + play);
+            felt
+        })
+        .collect()
+}
+
+/// From the first row on that opens further than `at`, a share of the force is gone.
+fn gives_way(u: &[f64], force: &[f64], share: f64, at: f64) -> Vec<f64> {
+    let first = u.iter().position(|u| *u >= at).unwrap_or(force.len());
+    force.iter().enumerate().map(|(i, f)| if i < first { *f } else { f * (1.0 - share) }).collect()
 }
 
 /// Dahl's friction: within `travel` after a turn it goes over to the other sign.
@@ -234,5 +295,23 @@ impl Decoration<3> for Thread {
             e.stored += 0.5 * call.own[0] * call.gradient[0].powi(2);
         }
         e
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{gives_way, play};
+
+    #[test]
+    fn play_is_taken_up_after_each_turn() {
+        assert_eq!(
+            play(&[0.0, 1.0, 2.0, 1.5, 0.5, 0.0, 0.5, 1.5], 1.0),
+            [0.0, 1.0, 2.0, 2.0, 1.5, 1.0, 1.0, 1.5]
+        );
+    }
+
+    #[test]
+    fn what_gave_way_stays_gone() {
+        assert_eq!(gives_way(&[0.0, 1.0, 2.0, 1.0], &[1.0; 4], 0.25, 1.5), [1.0, 1.0, 0.75, 0.75]);
     }
 }

@@ -88,16 +88,19 @@ pub fn suite(catalogue: &Catalogue) -> Vec<Spec> {
         let protocol = both[usize::from(i % 3 != 0)];
         list.push((protocol, Hidden::Effects(vec![((*a).into(), 1.5), ((*b).into(), 1.5)])));
     }
-    for outside in Outside::ALL {
-        for i in 0..OUTSIDE {
-            let strength = if i < OUTSIDE / 2 { 1.0 } else { 2.0 };
-            list.push((both[i % 2], Hidden::Outside(outside, strength)));
-        }
-    }
-    // The same pairs, stronger: at 1.5 one of the two is often for the others to imitate. Last, lest a case change its number.
+    let (first, later) = Outside::ALL.split_at(Outside::FIRST);
+    let outside = |outside: &Outside| {
+        let strength = |i: usize| if i < OUTSIDE / 2 { 1.0 } else { 2.0 };
+        let outside = *outside;
+        (0..OUTSIDE).map(move |i| (both[i % 2], Hidden::Outside(outside, strength(i))))
+    };
+    list.extend(first.iter().flat_map(outside));
+    // Later additions stand at the end, lest a case change its number. The same pairs, stronger: at 1.5 one of the two
+    // is often for the others to imitate.
     for (a, b) in &PAIRS {
         list.push((Protocol::Rich, Hidden::Effects(vec![((*a).into(), 2.0), ((*b).into(), 2.0)])));
     }
+    list.extend(later.iter().flat_map(outside));
     list.into_iter()
         .enumerate()
         .map(|(i, (protocol, hidden))| Spec {

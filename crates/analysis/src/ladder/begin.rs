@@ -1,5 +1,5 @@
-//! Where the fit of a rung begins: at the screen's estimate, nearer to the base, off the base's bounds, from a more
-//! brittle tear path.
+//! Where the fit of a rung begins: at the screen's estimate, nearer to the base, off the base's bounds, from where the
+//! base's fit began.
 
 use super::{FeLadder, Fitted};
 use crate::columns::{case_with, transfer};
@@ -25,10 +25,6 @@ enum Begin {
 
 /// Shares of the screen's estimate. It is linear, and may stand far beyond where the effect still fits.
 const SHARES: [f64; 4] = [0.5, 0.25, 0.1, 0.05];
-
-/// A tear path that lacked an effect may have been bent far from its own strength and toughness: these factors of
-/// the fitted ones (σc, Gc) leave the effect its share.
-const BRITTLE: [(&str, f64); 2] = [("sigma_c", 3.0), ("gc", 0.5)];
 
 impl FeLadder<'_> {
     /// Fits a rung from the screen's estimate. At its neutral value an effect leaves the base as good
@@ -114,25 +110,23 @@ impl FeLadder<'_> {
         Ok(best.1)
     }
 
-    /// Once more where an effect of the tear path leaves the model far from the record: from a stronger, more brittle
-    /// path and the effect's own start. The better of the two fits.
-    pub(super) fn again_on_a_brittle_path(&self, effects: &[String], first: Fitted) -> Fitted {
+    /// Once more where an effect of the tear path leaves the model far from the record: the lack of it may have bent the
+    /// base beyond recognition, so from the values that the base's own fit began with, and the effect's. The better of
+    /// the two fits.
+    pub(super) fn again_from_the_beginning(&self, effects: &[String], first: Fitted) -> Fitted {
         let key = Self::key(effects);
         let on_path =
             |e: &String| self.catalogue.get(e).is_some_and(|e| e.card().site == model::Site::Interface);
-        let (true, Some(base)) = (effects.last().is_some_and(on_path), self.nearest(&key)) else {
+        let (true, Some(base), Some(bare)) =
+            (effects.last().is_some_and(on_path), self.nearest(&key), self.rungs.get(&Vec::new()))
+        else {
             return first;
         };
-        let Ok((model, mut theta)) = self.begun(effects, &diagnose::Hints::new(), base, 1.0) else {
+        let Ok((model, _)) = self.begun(effects, &diagnose::Hints::new(), base, 1.0) else {
             return first;
         };
-        for (t, p) in theta.iter_mut().zip(&model.parameters) {
-            let what = p.path.strip_prefix("interface.area[").and_then(|r| r.split_once("].")).map(|r| r.1);
-            if let Some((_, factor)) = BRITTLE.iter().find(|b| p.free && Some(b.0) == what) {
-                *t = (*t * factor).clamp(p.spec.lower, p.spec.upper);
-            }
-        }
-        (self.progress)(&format!("{}: once more from a more brittle path", super::named(effects)));
+        let theta = transfer(&bare.model, &self.first, &model);
+        (self.progress)(&format!("{}: once more from where the base's fit began", super::named(effects)));
         match self.fit_rung(model, theta, base.correction.clone(), Vec::new()) {
             Ok(f) if f.fit.f < first.fit.f => f,
             _ => first,

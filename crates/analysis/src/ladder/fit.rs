@@ -59,6 +59,7 @@ impl FeLadder<'_> {
         if start && let Some(start) = start::for_case(&self.case, self.catalogue, self.options, &quiet)? {
             start::spread(&model, &start, &mut theta);
         }
+        self.first.clone_from(&theta);
         let none = DVector::zeros(self.measured.data.points());
         let mut fitted = self.fit_model(model, theta, 1e-2, none, Vec::new())?;
         for _ in 0..ROUNDS {

@@ -66,6 +66,8 @@ pub struct FeLadder<'a> {
     pub rungs: BTreeMap<Vec<String>, Fitted>,
     /// Candidates of the latest screen, with raw columns.
     pub candidates: Vec<Candidate>,
+    /// Values that the base's fit began with.
+    first: Vec<f64>,
     runs: AtomicUsize,
     policy: Policy,
     progress: &'a (dyn Fn(&str) + Sync),
@@ -109,6 +111,7 @@ impl<'a> FeLadder<'a> {
             measured,
             rungs: BTreeMap::new(),
             candidates: Vec::new(),
+            first: Vec::new(),
             runs: AtomicUsize::new(0),
             policy,
             progress,
@@ -157,7 +160,7 @@ impl diagnose::Ladder for FeLadder<'_> {
         let all_far = |f: &Result<Option<Fitted>, AnalysisError>| !matches!(f, Ok(Some(f)) if f.quality.reduced_chi2_total <= fit::FAR);
         if fitted.iter().all(all_far) {
             let again = |(effects, first): (&Vec<String>, Result<Option<Fitted>, AnalysisError>)| {
-                Ok(first?.map(|f| this.again_on_a_brittle_path(effects, f)))
+                Ok(first?.map(|f| this.again_from_the_beginning(effects, f)))
             };
             fitted = sets.par_iter().zip(fitted).map(again).collect();
         }
