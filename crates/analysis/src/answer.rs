@@ -2,10 +2,10 @@
 
 use crate::compare::{self, Where};
 use crate::identify::AnalysisError;
-use crate::ladder::{FeLadder, How};
+use crate::ladder::{FeLadder, How, NextTest};
 use crate::parsimony::OneStrength;
 use crate::problem::Cancelled;
-use diagnose::{Discovery, Finding, Policy, Rung, Screen, Verdict};
+use diagnose::{Finding, Policy, Rung, Screen, Verdict};
 use input::{Case, EffectConfig};
 use model::Catalogue;
 use serde::Serialize;
@@ -64,17 +64,6 @@ pub struct LadderRow {
     /// The effects of the model with the form they were fitted in.
     #[serde(skip)]
     pub forms: Vec<EffectConfig>,
-}
-
-/// The segment or channel that would separate rivals.
-#[derive(Clone, Debug, Serialize)]
-pub struct NextTest {
-    /// What to do, in words.
-    pub proposal: String,
-    /// The rivals it would separate.
-    pub separates: Vec<String>,
-    /// How the proposal was found.
-    pub basis: String,
 }
 
 /// Answer of `fct diagnose` and `fct discover`.
@@ -175,17 +164,6 @@ pub(crate) fn ladder_row(l: &FeLadder, r: &Rung) -> LadderRow {
     }
 }
 
-/// What separates the members of the first group with rivals, from their cards.
-fn next_test(d: &Discovery, catalogue: &Catalogue) -> Option<NextTest> {
-    let group = d.groups.iter().find(|g| g.len() > 1)?;
-    let card = catalogue.get(&group[0])?.card().separated_by;
-    Some(NextTest {
-        proposal: card.to_owned(),
-        separates: group.clone(),
-        basis: "the effect's card; its power was not simulated".to_owned(),
-    })
-}
-
 /// Screens the catalogue at the identified model.
 ///
 /// # Errors
@@ -271,7 +249,7 @@ pub fn discover(
         groups: d.groups.clone(),
         verdict: word(d.verdict).to_owned(),
         words: vec![diagnose::words::verdict(&d, &policy)],
-        next_test: next_test(&d, catalogue),
+        next_test: ladder.next_test(&d),
         ..answer(&ladder, &d.screen, start, &policy)
     })
 }

@@ -16,7 +16,7 @@ mod simulate;
 mod start;
 mod strip;
 
-pub use answer::{DiscoverAnswer, LadderRow, NextTest, ScreenRow, diagnose, discover};
+pub use answer::{DiscoverAnswer, LadderRow, ScreenRow, diagnose, discover};
 pub use columns::{Base, Screened, scales};
 pub use compare::{
     AlongTear, DependsOn, Residuals, Where, along_the_tear, depends_on, located, place_in_words, places,
@@ -26,7 +26,7 @@ pub use held_out::HeldOut;
 pub use identify::{
     AnalysisError, Control, HistoryEntry, Identified, Progress, Stage, frees, identify, run_options,
 };
-pub use ladder::{FeLadder, Fitted, How};
+pub use ladder::{FeLadder, Fitted, How, NextTest, Tried};
 pub use needs::{Need, needs};
 pub use parsimony::{OneStrength, one_strength};
 pub use problem::{Cancelled, FeProblem};

@@ -1,7 +1,8 @@
 //! What the effects of a config need their records to hold.
 
 use input::{Case, Location, TestKind};
-use model::{Card, Catalogue, Corner, corners_of_record};
+use model::{Catalogue, Corner, Effect, corners_of_record};
+use std::sync::Arc;
 
 /// Travel below this share of a record's range is no leg of its own.
 const STILL: f64 = 0.01;
@@ -62,7 +63,7 @@ impl Holds {
             "tearing" if !self.tearing => Some(("no tearing test", "a tearing test")),
             "unloading" if !self.unloading => Some(("no unloading", "a partial unloading and a reloading")),
             "two tests" if self.tests < 2 => Some(("one test", "a second test of another kind")),
-            "pause or two rates" if !self.pause && !self.two_rates() => {
+            TIME if !self.pause && !self.two_rates() => {
                 Some(("no pause and one rate", "a hold, or a leg at another rate"))
             }
             _ => None,
@@ -71,12 +72,34 @@ impl Holds {
 }
 
 /// The sentence on one effect whose record lacks something.
-fn sentence(card: &Card, holds: &str, add: &str) -> String {
-    let rivals = match card.look_alikes {
-        [] => "the base parameters".to_owned(),
-        some => some.iter().map(|r| format!("`{r}`")).collect::<Vec<_>>().join(" or "),
-    };
+fn sentence(effect: &dyn Effect, holds: &str, add: &str) -> String {
+    let card = effect.card();
+    let named = card.look_alikes.iter().map(|r| format!("`{r}`"));
+    let rivals: Vec<String> = named.chain(effect.strangers().iter().map(|&s| s.to_owned())).collect();
+    let rivals = if rivals.is_empty() { "the base parameters".to_owned() } else { rivals.join(" or ") };
     format!("these records hold {holds}: `{}` cannot be told from {rivals}; add {add}", card.name)
+}
+
+/// What tells effects of time from each other.
+const TIME: &str = "pause or two rates";
+
+/// An effect of time on records that hold no pause and one rate.
+fn untimed<'a>(case: &Case, catalogue: &'a Catalogue, effect: &str) -> Option<&'a Arc<dyn Effect>> {
+    let found = catalogue.get(effect).filter(|e| e.card().needs.contains(&TIME))?;
+    Holds::of(case).lacks(TIME).map(|_| found)
+}
+
+/// Other effects of time that look like this one on such records; none where they hold what tells.
+pub(crate) fn untold(case: &Case, catalogue: &Catalogue, effect: &str) -> Vec<String> {
+    let of_time = |name: &&&str| catalogue.get(name).is_some_and(|e| e.card().needs.contains(&TIME));
+    untimed(case, catalogue, effect)
+        .map_or(Vec::new(), |e| e.card().look_alikes.iter().filter(of_time).map(|&n| n.to_owned()).collect())
+}
+
+/// Causes outside the catalogue that look like this effect on such records.
+pub(crate) fn strangers(case: &Case, catalogue: &Catalogue, effect: &str) -> Vec<String> {
+    untimed(case, catalogue, effect)
+        .map_or(Vec::new(), |e| e.strangers().iter().map(|&n| n.to_owned()).collect())
 }
 
 /// Effects of a case that its records cannot show (faults) or hardly tell from others (remarks): where each stands in
@@ -88,8 +111,8 @@ pub fn needs(case: &Case, catalogue: &Catalogue) -> (Vec<Need>, Vec<Need>) {
         for need in effect.card().needs {
             if let Some((what, add)) = holds.lacks(need) {
                 // One rate still makes loops of unloading; without a tear there is nothing at all.
-                let list = if *need == "pause or two rates" { &mut remarks } else { &mut faults };
-                list.push((config.location.clone(), sentence(effect.card(), what, add)));
+                let list = if *need == TIME { &mut remarks } else { &mut faults };
+                list.push((config.location.clone(), sentence(&**effect, what, add)));
             }
         }
     }
@@ -119,5 +142,47 @@ mod tests {
         let paused = holds(&[(0.0, 0.0), (10.0, 1.0), (60.0, 1.001), (70.0, 2.0)]);
         assert!(paused.lacks("pause or two rates").is_none() && paused.lacks("unloading").is_some());
         assert!(holds(&[(0.0, 0.0), (10.0, 1.0), (11.0, 2.0)]).lacks("pause or two rates").is_none());
+    }
+
+    /// A case with one record that goes through these corners.
+    fn case(root: &std::path::Path, rows: &[(f64, f64)]) -> Case {
+        let mut csv = String::from("time_s,displacement_mm,force_N\n");
+        for leg in rows.windows(2) {
+            for k in 0..20 {
+                let at = |a: f64, b: f64| a + (b - a) * f64::from(k) / 20.0;
+                let (t, u) = (at(leg[0].0, leg[1].0), at(leg[0].1, leg[1].1));
+                csv += &format!("{t},{u},{}\n", 0.1 * u + 0.001 * f64::from(k % 3));
+            }
+        }
+        std::fs::write(root.join("u.csv"), csv).expect("written");
+        let text = "name = \"x\"\n[geometry]\nlength_mm = 6.0\nwidth_mm = 4.0\nthickness_mm = 0.8\ncut_mm = 1.0\n\
+                    [[tests]]\nkind = \"uniaxial\"\ndata = \"u.csv\"\n[mesh]\ndivisions = [4, 4, 1]\n\
+                    [bulk]\nmu_kPa = 5.0\nk1_kPa = 200.0\nk2 = 5.0\ngamma_deg = 40.0\nkappa = 0.2\n";
+        std::fs::write(root.join("c.toml"), text).expect("written");
+        input::read_case(&root.join("c.toml"), &effects::catalogue()).expect("a good file")
+    }
+
+    #[test]
+    fn at_one_rate_effects_of_time_are_not_told_from_each_other_nor_from_play() {
+        let (root, catalogue) = (tempfile::tempdir().expect("a folder"), effects::catalogue());
+        let loops = case(root.path(), &[(0.0, 0.0), (10.0, 1.0), (15.0, 0.5), (25.0, 1.5)]);
+        assert_eq!(untold(&loops, &catalogue, "lag"), ["viscoelastic"]);
+        assert_eq!(untold(&loops, &catalogue, "viscoelastic"), ["lag"]);
+        assert_eq!(strangers(&loops, &catalogue, "lag"), ["play in the rig"]);
+        // Its look-alikes are no effects of time.
+        assert!(untold(&loops, &catalogue, "rate_dependent_strength").is_empty());
+        assert!(
+            untold(&loops, &catalogue, "mullins").is_empty()
+                && strangers(&loops, &catalogue, "mullins").is_empty()
+        );
+        let lag = catalogue.get("lag").expect("there is one");
+        assert_eq!(
+            sentence(&**lag, "one rate", "a hold"),
+            "these records hold one rate: `lag` cannot be told from `viscoelastic` or play in the rig; add a hold"
+        );
+        let held = case(root.path(), &[(0.0, 0.0), (10.0, 1.0), (60.0, 1.0), (65.0, 0.5), (75.0, 1.5)]);
+        assert!(
+            untold(&held, &catalogue, "lag").is_empty() && strangers(&held, &catalogue, "lag").is_empty()
+        );
     }
 }

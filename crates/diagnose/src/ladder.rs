@@ -163,6 +163,17 @@ pub trait Ladder {
         true
     }
 
+    /// Effects that only something which the records do not hold would tell from `effect` (a pause or a second rate, for
+    /// effects of time): a better fit says no more than that one law's form is nearer than the other's.
+    fn untold(&self, _effect: &str) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Causes that nothing here describes, in words, and that these records cannot tell from `effect` either.
+    fn strangers(&self, _effect: &str) -> Vec<String> {
+        Vec::new()
+    }
+
     /// Whether the user asked to stop; the search then ends with what it has.
     fn interrupted(&self) -> bool {
         false

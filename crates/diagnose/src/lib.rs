@@ -15,6 +15,7 @@ pub mod atlas;
 pub mod dependence;
 pub mod holdout;
 pub mod noise;
+pub mod power;
 pub mod segments;
 pub mod tails;
 pub mod words;

@@ -239,6 +239,11 @@ pub trait Effect: Send + Sync {
     /// plausible amplitude: a change that a lab would call ordinary.
     fn start(&self, scales: &Scales) -> Vec<f64>;
 
+    /// Causes outside any catalogue, in words, that look the same on records that lack what the card says it needs.
+    fn strangers(&self) -> &'static [&'static str] {
+        &[]
+    }
+
     /// How it acts.
     fn act(&self, options: &Options, piece: &Piece) -> Action;
 }

@@ -127,3 +127,53 @@ fn a_base_model_that_had_stuck_begins_again() {
     assert_eq!(answer.verdict, diagnose::Verdict::NothingMissing, "{:?}", answer.found);
     assert!(ladder.rungs[&Vec::new()].fit.f < 1.05 * found);
 }
+
+/// Two rivals that say different things of the clamped edges: a camera there is found to tell them apart.
+#[test]
+fn a_camera_on_the_edges_tells_compliance_from_slack() {
+    use diagnose::Ladder as _;
+    let root = tempfile::tempdir().expect("a folder");
+    let folder = root.path().join("soft");
+    generate(&spec("soft", 31, &[("compliance", 2.0)]), &Fineness::QUICK, &folder)
+        .expect("the case can be made");
+    let catalogue = effects::catalogue();
+    let case = input::read_case(&folder.join("config.toml"), &catalogue).expect("a good file");
+    let policy = diagnose::Policy::default();
+    let how = analysis::How { catalogue: &catalogue, policy, progress: &|_| (), cancelled: &|| false };
+    let mut ladder = analysis::FeLadder::new(case.into(), how).expect("a base fit");
+    let none = diagnose::Hints::new();
+    let base = ladder.fit(&[], &none).expect("the base is there");
+    let screen = ladder.screen(&base).expect("a screen");
+    let rivals = ["compliance", "slack"].map(String::from);
+    for r in &rivals {
+        ladder.fit(std::slice::from_ref(r), &none).expect("a fit");
+    }
+    let said = diagnose::Discovery {
+        ladder: Vec::new(),
+        tried: Vec::new(),
+        failed: Vec::new(),
+        last_screen: screen.clone(),
+        screen,
+        found: rivals[..1].to_vec(),
+        groups: vec![rivals.to_vec()],
+        verdict: diagnose::Verdict::Ambiguous,
+        interrupted: false,
+    };
+    let next = ladder.next_test(&said).expect("there is a group");
+    let camera =
+        next.tried.iter().find(|t| t.proposal.contains("grip_displacement_mm")).expect("it is tried");
+    assert!(camera.expected_power > 0.9, "{:?}", next.tried);
+    assert_eq!(next.separates, rivals);
+    assert_eq!(next.expected_power, Some(next.tried[0].expected_power));
+    assert!(next.tried.iter().all(|t| (0.0..=1.0).contains(&t.expected_power)));
+    for test in ["uniaxial", "tearing"] {
+        assert!(
+            next.tried.iter().any(|t| t.proposal.contains(&format!("the test {test}"))),
+            "{:?}",
+            next.tried
+        );
+    }
+    // Nothing to separate, nothing to propose.
+    let alone = diagnose::Discovery { groups: vec![rivals[..1].to_vec()], ..said };
+    assert!(ladder.next_test(&alone).is_none());
+}

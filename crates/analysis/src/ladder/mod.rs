@@ -7,8 +7,11 @@
 mod begin;
 mod fit;
 mod forms;
+mod next_test;
 mod rung;
 mod search;
+
+pub use next_test::{NextTest, Tried};
 
 use crate::columns::Base;
 use crate::data::Measured;
@@ -216,6 +219,14 @@ impl diagnose::Ladder for FeLadder<'_> {
                 .get(a)
                 .is_some_and(|e| !effects.iter().any(|b| e.card().excludes.contains(&b.as_str())))
         })
+    }
+
+    fn untold(&self, effect: &str) -> Vec<String> {
+        crate::needs::untold(&self.case, self.catalogue, effect)
+    }
+
+    fn strangers(&self, effect: &str) -> Vec<String> {
+        crate::needs::strangers(&self.case, self.catalogue, effect)
     }
 
     fn interrupted(&self) -> bool {

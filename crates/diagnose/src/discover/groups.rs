@@ -5,7 +5,7 @@ use crate::ladder::{Ladder, Rung};
 
 impl<L: Ladder> Search<'_, L> {
     /// For each effect found: itself, and every rival that does as well in its place, or that promised more and was never
-    /// fitted well enough to be judged.
+    /// fitted well enough to be judged, or that the records cannot tell from it.
     pub(super) fn groups(&mut self, last: &Rung) -> Vec<Vec<String>> {
         last.effects.iter().map(|e| self.group(last, e)).collect()
     }
@@ -50,7 +50,28 @@ impl<L: Ladder> Search<'_, L> {
                 group.push(name);
             }
         }
+        self.add_untold(&mut group, last, &without, &rest);
         group
+    }
+
+    /// Rivals that the records lack the means to exclude: those that stand beside the effect, and those that take as much in
+    /// its place as would have made them a name.
+    fn add_untold(&mut self, group: &mut Vec<String>, last: &Rung, without: &Rung, rest: &[String]) {
+        for name in self.ladder.untold(&group[0]) {
+            if group.contains(&name) {
+                continue;
+            }
+            let beside = last.effects.contains(&name);
+            let instead: Vec<String> = rest.iter().chain([&name]).cloned().collect();
+            let fall = without.chi2_total - last.chi2_total;
+            let takes_most =
+                |r: Rung| without.chi2_total - r.chi2_total >= self.policy.min_share_unexplained * fall;
+            if beside || self.fit(&instead).is_some_and(takes_most) {
+                group.push(name);
+            }
+        }
+        let strangers = self.ladder.strangers(&group[0]);
+        group.extend(strangers);
     }
 
     /// Where noise explains the records without either effect, a rival's further parameters are no evidence

@@ -45,6 +45,11 @@ impl Effect for Lag {
         vec![scales.sampling.clamp(0.0, 60.0)]
     }
 
+    /// At one rate a late force is one that follows a displaced motion.
+    fn strangers(&self) -> &'static [&'static str] {
+        &["play in the rig"]
+    }
+
     fn act(&self, _options: &Options, _piece: &Piece) -> Action {
         Action::Sensor(Arc::new(Late))
     }

@@ -268,10 +268,13 @@ fn next(v: &View) -> Card {
     let command = v.run.info.command.as_str();
     if let Some(n) = v.diagnosis.as_ref().and_then(|d| d.get("next_test")).filter(|n| !n.is_null()) {
         let head = format!("Separate {}", escape(&list(n, "separates").join(" from ")));
+        let power = number(n, "expected_power")
+            .map_or_else(String::new, |p| format!(": told apart with a chance of {:.0} %", 100.0 * p));
         let body = format!(
-            "<p>{} <span class=\"muted\">({})</span></p>",
+            "<p>{}{power} <span class=\"muted\">({})</span></p>{}",
             escape(text(n, "proposal")),
-            escape(text(n, "basis"))
+            escape(text(n, "basis")),
+            others(n)
         );
         return Card { question, good: None, head, body };
     }
@@ -293,6 +296,22 @@ fn next(v: &View) -> Card {
         _ => ("Ask what is missing".to_owned(), format!("<p>{}</p>", code(&format!("fct discover {}", run(v))))),
     };
     Card { question, good: None, head, body }
+}
+
+/// The other additions that were simulated.
+fn others(next: &Value) -> String {
+    let proposal = text(next, "proposal");
+    let line = |t: &&Value| {
+        let power = number(t, "expected_power").unwrap_or(0.0);
+        format!("<li>{}: {:.0} %</li>", escape(text(t, "proposal")), 100.0 * power)
+    };
+    let tried = rows(next, "tried");
+    let lines: String =
+        tried.iter().filter(|t| text(t, "proposal") != proposal).take(5).map(|t| line(&t)).collect();
+    if lines.is_empty() {
+        return String::new();
+    }
+    format!("<details><summary>Other additions</summary><ul>{lines}</ul></details>")
 }
 
 /// What to mind when the values are used.

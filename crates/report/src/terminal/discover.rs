@@ -56,7 +56,11 @@ pub fn discover(answer: &Value, style: Style) -> String {
     let _ = writeln!(out, "\n{}\n{}", style.bold("Screen of the catalogue"), screen(answer));
     places(answer, style, &mut out);
     if let Some(next) = answer.get("next_test").filter(|n| !n.is_null()) {
-        let line = format!("To separate {}: {}", list(next, "separates").join(", "), text(next, "proposal"));
+        let rivals = list(next, "separates").join(", ");
+        let power = number(next, "expected_power").map_or_else(String::new, |p| {
+            format!(" (simulated: told apart with a chance of {:.0} %)", 100.0 * p)
+        });
+        let line = format!("To separate {rivals}: {}{power}", text(next, "proposal"));
         let _ = writeln!(out, "\n{}", wrap(&line, usize::from(WIDTH), 2));
     }
     out
