@@ -42,7 +42,7 @@ peers:
 practice:
     cargo run --release -p analysis --example disc -- ../shared/practice/*/config.toml
 
-# The hidden-effect study: makes 222 cases in runs/hidden, diagnoses them, writes docs/hidden.md. Hours; resumes.
+# The hidden-effect study: makes 246 cases in runs/hidden, diagnoses them, writes docs/hidden.md. Hours; resumes.
 hidden:
     cargo run --release -p hidden-suite -- all
 

@@ -22,10 +22,13 @@ const FILE: &str = "imitated.json";
 /// Relative fall of χ² that ends the imitation.
 const TOLERANCE: f64 = 1e-4;
 
-/// Steps at most; an imitation whose latest three steps, repeated as often, would leave more than counts as visible
-/// ends before, if it still leaves twice as much.
-const STEPS: usize = 60;
+/// Steps at most: more than any has needed, since one that is cut off is no measure.
+const STEPS: usize = 400;
+
+/// An imitation that leaves `NEAR` times what counts as visible, and whose latest three steps, made `FAR` times, would still
+/// leave more than counts, ends before.
 const NEAR: f64 = 2.0;
+const FAR: i32 = 20;
 
 /// Tangent's estimate from which an imitation is worth its time.
 const DOUBT: f64 = 5.0;
@@ -208,7 +211,7 @@ impl Watch {
         if f < VISIBLE.powi(2) {
             self.enough = Some("What is left cannot be seen.");
         } else if f > (NEAR * VISIBLE).powi(2)
-            && before.is_some_and(|b| f * (f / b).powf(STEPS as f64 / 3.0) > VISIBLE.powi(2))
+            && before.is_some_and(|b| f * (f / b).powi(FAR) > VISIBLE.powi(2))
         {
             self.enough = Some("What is left falls too slowly to fall below what can be seen.");
         }

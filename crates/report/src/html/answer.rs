@@ -272,7 +272,7 @@ fn next(v: &View) -> Card {
             .map_or_else(String::new, |p| format!(": told apart with a chance of {:.0} %", 100.0 * p));
         let body = format!(
             "<p>{}{power} <span class=\"muted\">({})</span></p>{}",
-            escape(text(n, "proposal")),
+            escape(&begun_large(text(n, "proposal"))),
             escape(text(n, "basis")),
             others(n)
         );
@@ -298,12 +298,17 @@ fn next(v: &View) -> Card {
     Card { question, good: None, head, body }
 }
 
+fn begun_large(words: &str) -> String {
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// The other additions that were simulated.
 fn others(next: &Value) -> String {
     let proposal = text(next, "proposal");
     let line = |t: &&Value| {
         let power = number(t, "expected_power").unwrap_or(0.0);
-        format!("<li>{}: {:.0} %</li>", escape(text(t, "proposal")), 100.0 * power)
+        format!("<li>{}: {:.0} %</li>", escape(&begun_large(text(t, "proposal"))), 100.0 * power)
     };
     let tried = rows(next, "tried");
     let lines: String =

@@ -169,7 +169,7 @@ fn by_segment(all: &[Residuals]) -> String {
                 Cell::share(s.share),
                 Cell::number(format!("{:.2}", s.rms / r.noise.max(f64::MIN_POSITIVE))),
                 Cell::number(format!("{} {}", significant(s.mean, 2), side(s.sign))),
-                Cell::number(format!("{:.2}", s.autocorrelation)),
+                Cell::number(format!("{:.2}", without_minus_zero(s.autocorrelation))),
             ]
         })
     });
@@ -224,4 +224,9 @@ fn side(sign: char) -> &'static str {
         '-' => "▼",
         _ => "·",
     }
+}
+
+/// To two decimals; what rounds to zero from below is zero.
+fn without_minus_zero(x: f64) -> f64 {
+    (100.0 * x).round() / 100.0 + 0.0
 }
