@@ -1,0 +1,199 @@
+//! Every effect, found again in its own noisy record: the amplitude that made the record lies within the interval of the
+//! identification, or is said not to be identifiable. The base model is held at the truth.
+
+use analysis::{Control, FeProblem, Identified, Slot, identify, run_options, scales};
+use input::{Case, EffectConfig, Value};
+use inverse::{Problem as _, Random};
+use model::{Catalogue, Channel, Discretisation, Effect, Model};
+use rayon::prelude::*;
+use std::fmt::Write;
+use std::sync::Arc;
+
+/// Points of a leg.
+const LEG: usize = 12;
+
+/// Noise as a share of each record's peak.
+const NOISE: f64 = 0.01;
+
+/// Share of the true amplitude that a fit begins at.
+const BEGIN: f64 = 0.6;
+
+const CASE: &str = r#"
+name = "recovered"
+provenance = "synthetic"
+[geometry]
+length_mm = 4.0
+width_mm = 3.0
+thickness_mm = 0.8
+cut_mm = 1.0
+[[tests]]
+kind = "uniaxial"
+data = "uniaxial.csv"
+force_sd_N = 0.001
+[[tests]]
+kind = "tearing"
+data = "tearing.csv"
+force_sd_N = 0.001
+[mesh]
+divisions = [12, 8, 1]
+[bulk]
+mu_kPa = { start = 20.0, fixed = true }
+k1_kPa = { start = 50.0, fixed = true }
+k2 = { start = 2.0, fixed = true }
+gamma_deg = { start = 40.0, fixed = true }
+kappa = { start = 0.2, fixed = true }
+[interface]
+gc_N_per_mm = { start = 0.05, fixed = true }
+sigma_c_MPa = { start = 0.05, fixed = true }
+"#;
+
+/// A ramp, an unloading, a fast reloading, a hold, and on, in both tests.
+fn base(catalogue: &Catalogue) -> Case {
+    let root = tempfile::tempdir().expect("a folder");
+    for (file, end) in [("uniaxial.csv", 0.5), ("tearing.csv", 0.8)] {
+        let corners = [
+            (0.0, 0.0),
+            (20.0, end),
+            (32.0, 0.4 * end),
+            (34.0, 1.1 * end),
+            (60.0, 1.1 * end),
+            (80.0, 1.5 * end),
+        ];
+        let mut text = String::from("time_s,displacement_mm,force_N\n");
+        for w in corners.windows(2) {
+            for i in 0..LEG {
+                let s = i as f64 / LEG as f64;
+                let (t, u) = (w[0].0 + s * (w[1].0 - w[0].0), w[0].1 + s * (w[1].1 - w[0].1));
+                let _ = writeln!(text, "{t},{u},{}", 0.1 * u);
+            }
+        }
+        std::fs::write(root.path().join(file), text).expect("a record");
+    }
+    let path = root.path().join("case.toml");
+    std::fs::write(&path, CASE).expect("a config");
+    input::read_case(&path, catalogue).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// The case with an effect at these values (internal units).
+fn with(case: &Case, effect: &Arc<dyn Effect>, values: &[f64]) -> Case {
+    let options: model::Options =
+        effect.options().into_iter().filter_map(|o| o.default.map(|d| (o.name, d))).collect();
+    let specs = effect.parameters(&options);
+    let mut with = case.clone();
+    with.effects.push(EffectConfig {
+        name: effect.card().name.to_owned(),
+        parameters: specs.iter().zip(values).map(|(s, v)| (s.name.to_string(), Value::new(*v))).collect(),
+        options,
+        location: input::Location::default(),
+        specs,
+    });
+    with
+}
+
+/// Forces of a case, tests one after the other.
+fn forces(case: &Case, catalogue: &Catalogue) -> Vec<Vec<f64>> {
+    let model = Model::new(Arc::new(case.clone()), catalogue, Discretisation::default()).expect("a model");
+    let rows = |t: &input::Test| (0..t.record.as_ref().map_or(0, input::Record::len)).collect();
+    let slots: Vec<Slot> = (0..case.tests.len())
+        .map(|test| Slot { test, channel: Channel::Force, rows: rows(&case.tests[test]) })
+        .collect();
+    let problem = FeProblem::new(&model, model.theta(), Vec::new(), &slots, run_options(case), &|| false);
+    let all = problem.predict(&[], false).unwrap_or_else(|e| panic!("{:?}: {e}", model.effects())).values;
+    let mut all = all.iter().copied();
+    slots.iter().map(|s| all.by_ref().take(s.rows.len()).collect()).collect()
+}
+
+/// Puts noisy forces into the records.
+fn record(case: &mut Case, forces: &[Vec<f64>], random: &mut Random) {
+    for (t, f) in case.tests.iter_mut().zip(forces) {
+        let sd = NOISE * f.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+        let noise = random.ar1(f.len(), sd, 0.0);
+        t.force_sd = Some(sd);
+        if let Some(r) = &mut t.record {
+            r.force = f.iter().zip(noise.iter()).map(|(f, n)| f + n).collect();
+        }
+    }
+}
+
+/// What an identification says of an amplitude.
+struct Said {
+    name: &'static str,
+    neutral: f64,
+    truth: f64,
+    value: f64,
+    interval: [f64; 2],
+    identifiable: bool,
+    chi2: f64,
+}
+
+impl Said {
+    fn holds(&self) -> bool {
+        self.interval[0] <= self.truth && self.truth <= self.interval[1]
+    }
+}
+
+fn recovered(base: &Case, catalogue: &Catalogue, effect: &Arc<dyn Effect>, seed: u64) -> Said {
+    let name = effect.card().name;
+    let plain = Model::new(Arc::new(base.clone()), catalogue, Discretisation::default()).expect("a model");
+    let values = effect.start(&scales(&plain, &plain.theta()));
+    let truth = with(base, effect, &values);
+    let neutral = truth.effects[0].specs[0].neutral.unwrap_or(0.0);
+    let mut begun = values.clone();
+    begun[0] = neutral + BEGIN * (values[0] - neutral);
+    let mut fit = with(base, effect, &begun);
+    record(&mut fit, &forces(&truth, catalogue), &mut Random::new(seed));
+    let control = Control { progress: &|_| {}, cancelled: &|| false };
+    let found: Identified =
+        identify(Arc::new(fit), catalogue, &control).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let path = format!("effects.{name}.{}", truth.effects[0].specs[0].name);
+    let at = found.frees.iter().position(|f| f.path == path).unwrap_or_else(|| panic!("{path} is not free"));
+    let e = &found.uncertainty.estimates[at];
+    Said {
+        name,
+        neutral,
+        truth: values[0],
+        value: e.value,
+        interval: e.interval_95,
+        identifiable: e.identifiable,
+        chi2: found.quality.reduced_chi2_total,
+    }
+}
+
+#[test]
+fn every_effect_is_found_again_in_its_own_record() {
+    let catalogue = effects::catalogue();
+    // Forces that give the effects their sizes.
+    let mut base = base(&catalogue);
+    let clean = forces(&base, &catalogue);
+    for (t, f) in base.tests.iter_mut().zip(&clean) {
+        if let Some(r) = &mut t.record {
+            r.force.clone_from(f);
+        }
+    }
+    let all: Vec<&Arc<dyn Effect>> = catalogue.iter().collect();
+    let said: Vec<Said> =
+        all.par_iter().enumerate().map(|(k, e)| recovered(&base, &catalogue, e, 40 + k as u64)).collect();
+    for s in &said {
+        println!(
+            "{:24} truth {:10.4e} found {:10.4e} in {:10.4e} … {:10.4e}{}{} χ² {:.2}",
+            s.name,
+            s.truth,
+            s.value,
+            s.interval[0],
+            s.interval[1],
+            if s.identifiable { "" } else { ", not identifiable" },
+            if s.holds() { "" } else { "  MISSED" },
+            s.chi2
+        );
+    }
+    let missed: Vec<&str> = said.iter().filter(|s| !s.holds()).map(|s| s.name).collect();
+    // One in twenty may miss.
+    assert!(missed.len() <= 2, "{missed:?}");
+    for s in &said {
+        assert!((0.6..1.5).contains(&s.chi2), "{}: χ² {}", s.name, s.chi2);
+    }
+    // Most are seen at all, and many well enough to exclude that there is no effect.
+    let seen = said.iter().filter(|s| s.identifiable).count();
+    let sure = said.iter().filter(|s| s.neutral < s.interval[0] || s.neutral > s.interval[1]).count();
+    assert!(seen >= 17 && sure >= 8, "{seen} {sure}");
+}
