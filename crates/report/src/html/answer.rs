@@ -5,7 +5,7 @@ use super::view::{Rung, View};
 use super::{code, escape, quoted};
 use crate::answer::ParameterAnswer;
 use crate::peek::{list, number, rows, text, yes};
-use crate::terminal::{interval, readable_unit, significant};
+use crate::terminal::{chance, interval, readable_unit, significant};
 use serde_json::Value;
 
 /// Segments that are named.
@@ -154,12 +154,21 @@ fn missing(v: &View) -> Card {
     let head = match verdict(v) {
         "nothing_missing" => "Nothing".to_owned(),
         "unexplained" if found.is_empty() => "Something the catalogue does not hold".to_owned(),
-        "unexplained" => format!("More than {}", escape(&found.join(" + "))),
-        _ => escape(&found.join(" + ")),
+        "unexplained" => format!("More than {}", escape(&groups(d).join(", and "))),
+        _ => escape(&groups(d).join(", and ")),
     };
     let good = (verdict(v) == "nothing_missing").then_some(true);
     let values = amounts(v, &found);
     Card { question, good, head, body: format!("<p>{}</p>{values}", words(v)) }
+}
+
+/// Each name with its rivals.
+fn groups(diagnosis: &Value) -> Vec<String> {
+    let names = |g: &Value| {
+        let all: Vec<&str> = g.as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+        all.join(" or ")
+    };
+    rows(diagnosis, "groups").iter().map(names).collect()
 }
 
 /// How much of each found effect: its parameters at the rung shown.
@@ -269,7 +278,7 @@ fn next(v: &View) -> Card {
     if let Some(n) = v.diagnosis.as_ref().and_then(|d| d.get("next_test")).filter(|n| !n.is_null()) {
         let head = format!("Separate {}", escape(&list(n, "separates").join(" from ")));
         let power = number(n, "expected_power")
-            .map_or_else(String::new, |p| format!(": told apart with a chance of {:.0} %", 100.0 * p));
+            .map_or_else(String::new, |p| format!(": told apart with a chance of {}", chance(p)));
         let body = format!(
             "<p>{}{power} <span class=\"muted\">({})</span></p>{}",
             escape(&begun_large(text(n, "proposal"))),
@@ -307,8 +316,8 @@ fn begun_large(words: &str) -> String {
 fn others(next: &Value) -> String {
     let proposal = text(next, "proposal");
     let line = |t: &&Value| {
-        let power = number(t, "expected_power").unwrap_or(0.0);
-        format!("<li>{}: {:.0} %</li>", escape(&begun_large(text(t, "proposal"))), 100.0 * power)
+        let power = chance(number(t, "expected_power").unwrap_or(0.0));
+        format!("<li>{}: {power}</li>", escape(&begun_large(text(t, "proposal"))))
     };
     let tried = rows(next, "tried");
     let lines: String =

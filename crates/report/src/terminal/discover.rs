@@ -57,9 +57,8 @@ pub fn discover(answer: &Value, style: Style) -> String {
     places(answer, style, &mut out);
     if let Some(next) = answer.get("next_test").filter(|n| !n.is_null()) {
         let rivals = list(next, "separates").join(", ");
-        let power = number(next, "expected_power").map_or_else(String::new, |p| {
-            format!(" (simulated: told apart with a chance of {:.0} %)", 100.0 * p)
-        });
+        let power = number(next, "expected_power")
+            .map_or_else(String::new, |p| format!(" (simulated: told apart with a chance of {})", chance(p)));
         let line = format!("To separate {rivals}: {}{power}", text(next, "proposal"));
         let _ = writeln!(out, "\n{}", wrap(&line, usize::from(WIDTH), 2));
     }
@@ -118,4 +117,9 @@ fn places(answer: &Value, style: Style, out: &mut String) {
         let (test, segment) = (text(r, "test"), text(r, "segment"));
         let _ = writeln!(out, "  {test:<16} {segment:<14} {:>4.0} % of χ²  {bar}", 100.0 * share);
     }
+}
+
+/// A chance in percent; one that is rounded to all is not certain.
+pub(crate) fn chance(p: f64) -> String {
+    if p > 0.99 { "over 99 %".into() } else { format!("{:.0} %", 100.0 * p) }
 }

@@ -8,6 +8,7 @@ mod plot;
 mod simulate;
 
 pub use compare::compare;
+pub(crate) use discover::chance;
 pub use discover::discover;
 pub use identify::identify;
 pub(crate) use identify::{SLOPPY_SHOWN, interval, remark};
