@@ -1,18 +1,17 @@
 //! Every effect of the catalogue on a small tear: neutral is the base to the bit, and the screen's
 //! column is the derivative that a finite change shows.
 
+mod small;
+
 use analysis::{Base, FeProblem, Measured, scales};
 use diagnose::Candidate;
 use input::Case;
 use inverse::Problem;
 use model::{Catalogue, Discretisation, Model, RunOptions, Screening};
 use nalgebra::DVector;
-use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Points of a leg.
-const LEG: usize = 12;
 /// Points of a record near a state in which a law switches, so that the derivative has two sides: the virgin strip, in
 /// which every fibre is between tension and none, and the old maximum that a reload comes back to, in which every point
 /// of the tear is between loading and not. (A hold is made of nothing else: this record has none.)
@@ -22,40 +21,8 @@ const SWITCHING: [std::ops::Range<usize>; 2] = [0..5, 31..37];
 fn specimen(name: &str, hold: bool) -> PathBuf {
     let dir = std::env::temp_dir().join(format!("fct-columns-{name}-{}", std::process::id()));
     std::fs::create_dir_all(&dir).expect("temporary folder");
-    let legs = |end: f64| {
-        let held = if hold { 1.1 * end } else { 1.3 * end };
-        [(0.0, 0.0), (20.0, end), (32.0, 0.4 * end), (34.0, 1.1 * end), (60.0, held), (80.0, 1.5 * end)]
-    };
-    for (file, end) in [("uniaxial.csv", 0.5), ("tearing.csv", 0.8)] {
-        let mut text = String::from("time_s,displacement_mm,force_N\n");
-        let corners = legs(end);
-        for w in corners.windows(2) {
-            for i in 0..LEG {
-                let s = i as f64 / LEG as f64;
-                let (t, u) = (w[0].0 + s * (w[1].0 - w[0].0), w[0].1 + s * (w[1].1 - w[0].1));
-                // The forces only give the screen its sizes.
-                let _ = writeln!(text, "{t},{u},{}", 0.1 * u);
-            }
-        }
-        let _ = writeln!(text, "{},{},{}", corners[5].0, corners[5].1, 0.1 * corners[5].1);
-        std::fs::write(dir.join(file), text).expect("record");
-    }
+    small::write_records(&dir, hold);
     let config = r#"
-name = "columns"
-provenance = "synthetic"
-[geometry]
-length_mm = 4.0
-width_mm = 3.0
-thickness_mm = 0.8
-cut_mm = 1.0
-[[tests]]
-kind = "uniaxial"
-data = "uniaxial.csv"
-force_sd_N = 0.001
-[[tests]]
-kind = "tearing"
-data = "tearing.csv"
-force_sd_N = 0.001
 [mesh]
 divisions = [6, 4, 2]
 [bulk]
@@ -69,7 +36,7 @@ gc_N_per_mm = 0.05
 sigma_c_MPa = 0.05
 "#;
     let path = dir.join("case.toml");
-    std::fs::write(&path, config).expect("config");
+    std::fs::write(&path, [small::STRIP, config].concat()).expect("config");
     path
 }
 

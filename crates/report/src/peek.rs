@@ -26,3 +26,12 @@ pub fn list(v: &Value, key: &str) -> Vec<String> {
 pub fn rows<'a>(v: &'a Value, key: &str) -> &'a [Value] {
     v.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
 }
+
+/// Every name of a diagnosis with its rivals: `lag or viscoelastic`.
+pub fn groups(diagnosis: &Value) -> Vec<String> {
+    let names = |g: &Value| {
+        let all: Vec<&str> = g.as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+        all.join(" or ")
+    };
+    rows(diagnosis, "groups").iter().map(names).collect()
+}

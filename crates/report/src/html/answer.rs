@@ -4,7 +4,7 @@ use super::place::{cameras, places};
 use super::view::{Rung, View};
 use super::{code, escape, quoted};
 use crate::answer::ParameterAnswer;
-use crate::peek::{list, number, rows, text, yes};
+use crate::peek::{groups, list, number, rows, text, yes};
 use crate::terminal::{chance, interval, readable_unit, significant};
 use serde_json::Value;
 
@@ -162,15 +162,6 @@ fn missing(v: &View) -> Card {
     Card { question, good, head, body: format!("<p>{}</p>{values}", words(v)) }
 }
 
-/// Each name with its rivals.
-fn groups(diagnosis: &Value) -> Vec<String> {
-    let names = |g: &Value| {
-        let all: Vec<&str> = g.as_array().into_iter().flatten().filter_map(Value::as_str).collect();
-        all.join(" or ")
-    };
-    rows(diagnosis, "groups").iter().map(names).collect()
-}
-
 /// How much of each found effect: its parameters at the rung shown.
 fn amounts(v: &View, found: &[String]) -> String {
     let Some(r) = v.current() else { return String::new() };
@@ -195,12 +186,7 @@ fn how_sure(v: &View) -> Card {
     let mut facts = Vec::new();
     let mut head = String::new();
     if let Some(d) = &v.diagnosis {
-        let rivals: Vec<String> = rows(d, "groups")
-            .iter()
-            .filter_map(|g| Some(g.as_array()?.iter().filter_map(|x| x.as_str()).collect::<Vec<_>>()))
-            .filter(|g| g.len() > 1)
-            .map(|g| g.join(" or "))
-            .collect();
+        let rivals: Vec<String> = groups(d).into_iter().filter(|g| g.contains(" or ")).collect();
         head = match (verdict(v), rivals.is_empty()) {
             ("ambiguous", _) | (_, false) => "These records cannot tell rivals apart".into(),
             ("unexplained", _) => "Sure that something is missing".into(),

@@ -1,7 +1,7 @@
 //! Tables of diagnose and discover, from their JSON answers.
 
 use super::{Style, WIDTH, significant, table, wrap};
-use crate::peek::{list, number, rows, text, yes};
+use crate::peek::{groups, list, number, rows, text, yes};
 use serde_json::Value;
 use std::fmt::Write;
 
@@ -25,13 +25,8 @@ fn sentences(out: &mut String, all: &[String]) {
 /// A verdict in its colour; a screen alone only calls for effects.
 fn verdict(answer: &Value, style: Style) -> String {
     let word = text(answer, "verdict").replace('_', " ");
-    let groups = rows(answer, "groups");
-    if rows(answer, "ladder").is_empty() && !groups.is_empty() {
-        let one = |g: &Value| {
-            let names: Vec<&str> = g.as_array().into_iter().flatten().filter_map(Value::as_str).collect();
-            names.join(" or ")
-        };
-        let called: Vec<String> = groups.iter().map(one).collect();
+    let called = groups(answer);
+    if rows(answer, "ladder").is_empty() && !called.is_empty() {
         return style
             .notice(&format!("the screen calls for {} (nothing was refitted)", called.join(" and ")));
     }

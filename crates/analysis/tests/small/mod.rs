@@ -1,0 +1,45 @@
+//! A small strip with an intact and a tearing test, and records to give it.
+
+use std::fmt::Write;
+use std::path::Path;
+
+/// Dimensions and tests; mesh, tissue and path are the caller's.
+pub const STRIP: &str = r#"
+name = "small"
+provenance = "synthetic"
+[geometry]
+length_mm = 4.0
+width_mm = 3.0
+thickness_mm = 0.8
+cut_mm = 1.0
+[[tests]]
+kind = "uniaxial"
+data = "uniaxial.csv"
+force_sd_N = 0.001
+[[tests]]
+kind = "tearing"
+data = "tearing.csv"
+force_sd_N = 0.001
+"#;
+
+/// Points of a leg.
+pub const LEG: usize = 12;
+
+/// Writes both records: a ramp, an unloading, a fast reloading, a hold (or slowly on), and on. Forces only give sizes.
+pub fn write_records(folder: &Path, hold: bool) {
+    for (file, end) in [("uniaxial.csv", 0.5), ("tearing.csv", 0.8)] {
+        let held = if hold { 1.1 * end } else { 1.3 * end };
+        let corners =
+            [(0.0, 0.0), (20.0, end), (32.0, 0.4 * end), (34.0, 1.1 * end), (60.0, held), (80.0, 1.5 * end)];
+        let mut text = String::from("time_s,displacement_mm,force_N\n");
+        for w in corners.windows(2) {
+            for i in 0..LEG {
+                let s = i as f64 / LEG as f64;
+                let (t, u) = (w[0].0 + s * (w[1].0 - w[0].0), w[0].1 + s * (w[1].1 - w[0].1));
+                let _ = writeln!(text, "{t},{u},{}", 0.1 * u);
+            }
+        }
+        let _ = writeln!(text, "{},{},{}", corners[5].0, corners[5].1, 0.1 * corners[5].1);
+        std::fs::write(folder.join(file), text).expect("a record");
+    }
+}
