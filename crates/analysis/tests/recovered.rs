@@ -1,5 +1,5 @@
 //! Every effect, found again in its own noisy record: the amplitude that made the record lies within the interval of the
-//! identification, or is said not to be identifiable. The base model and the effect's shape are held at the truth.
+//! identification. The effect's shape is free, and the base model held at the truth or free too.
 
 mod small;
 
@@ -16,42 +16,50 @@ const NOISE: f64 = 0.01;
 /// Share of the true amplitude that a fit begins at.
 const BEGIN: f64 = 0.6;
 
-/// Everything of the base model at the truth.
-const HELD: &str = r#"
+/// The base model at the truth.
+const BASE: &str = r#"
 [mesh]
 divisions = [12, 8, 1]
 [bulk]
-mu_kPa = { start = 20.0, fixed = true }
-k1_kPa = { start = 50.0, fixed = true }
-k2 = { start = 2.0, fixed = true }
-gamma_deg = { start = 40.0, fixed = true }
-kappa = { start = 0.2, fixed = true }
+mu_kPa = { start = 20.0, fixed = HELD }
+k1_kPa = { start = 50.0, fixed = HELD }
+k2 = { start = 2.0, fixed = HELD }
+gamma_deg = { start = 40.0, fixed = HELD }
+kappa = { start = 0.2, fixed = HELD }
 [interface]
-gc_N_per_mm = { start = 0.05, fixed = true }
-sigma_c_MPa = { start = 0.05, fixed = true }
+gc_N_per_mm = { start = 0.05, fixed = HELD }
+sigma_c_MPa = { start = 0.05, fixed = HELD }
 "#;
 
-fn base(catalogue: &Catalogue) -> Case {
+/// Whether the base model's values are known.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Base {
+    Held,
+    Free,
+}
+
+fn base(catalogue: &Catalogue, values: Base) -> Case {
+    let text = BASE.replace("HELD", if values == Base::Held { "true" } else { "false" });
     let root = tempfile::tempdir().expect("a folder");
     small::write_records(root.path(), true);
     let path = root.path().join("case.toml");
-    std::fs::write(&path, [small::STRIP, HELD].concat()).expect("a config");
+    std::fs::write(&path, [small::STRIP, &text].concat()).expect("a config");
     input::read_case(&path, catalogue).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// The case with an effect at these values (internal units), all but the amplitude held: free shapes lead to other optima
-/// (`fiber_damage` with its three ends at a χ² of 14 on this record).
+/// The case with an effect that begins at these values (internal units).
 fn with(case: &Case, effect: &Arc<dyn Effect>, values: &[f64]) -> Case {
     let options: model::Options =
         effect.options().into_iter().filter_map(|o| o.default.map(|d| (o.name, d))).collect();
     let specs = effect.parameters(&options);
-    let value = |(k, (s, v)): (usize, (&params::ParamSpec, &f64))| {
-        (s.name.to_string(), Value { fixed: Some(k > 0), ..Value::new(*v) })
+    // Also what a user leaves fixed.
+    let value = |(s, v): (&params::ParamSpec, &f64)| {
+        (s.name.to_string(), Value { fixed: Some(false), ..Value::new(*v) })
     };
     let mut with = case.clone();
     with.effects.push(EffectConfig {
         name: effect.card().name.to_owned(),
-        parameters: specs.iter().zip(values).enumerate().map(value).collect(),
+        parameters: specs.iter().zip(values).map(value).collect(),
         options,
         location: input::Location::default(),
         specs,
@@ -128,11 +136,11 @@ fn recovered(base: &Case, catalogue: &Catalogue, effect: &Arc<dyn Effect>, seed:
     }
 }
 
-#[test]
-fn every_effect_is_found_again_in_its_own_record() {
+/// All effects in the catalogue's order, each in a record of its own.
+fn all(values: Base, seed: u64) -> Vec<Said> {
     let catalogue = effects::catalogue();
     // Forces that give the effects their sizes.
-    let mut base = base(&catalogue);
+    let mut base = base(&catalogue, values);
     let clean = forces(&base, &catalogue);
     for (t, f) in base.tests.iter_mut().zip(&clean) {
         if let Some(r) = &mut t.record {
@@ -140,8 +148,11 @@ fn every_effect_is_found_again_in_its_own_record() {
         }
     }
     let all: Vec<&Arc<dyn Effect>> = catalogue.iter().collect();
-    let said: Vec<Said> =
-        all.par_iter().enumerate().map(|(k, e)| recovered(&base, &catalogue, e, 40 + k as u64)).collect();
+    let said: Vec<Said> = all
+        .par_iter()
+        .enumerate()
+        .map(|(k, e)| recovered(&base, &catalogue, e, 100 * seed + k as u64))
+        .collect();
     for s in &said {
         println!(
             "{:24} truth {:10.4e} found {:10.4e} in {:10.4e} … {:10.4e}{}{} χ² {:.2}",
@@ -155,14 +166,49 @@ fn every_effect_is_found_again_in_its_own_record() {
             s.chi2
         );
     }
+    said
+}
+
+/// Of the effects: at most two miss (one in twenty may), every record is explained; how many are identifiable, and how many
+/// are told from nothing.
+fn check(said: &[Said]) -> (usize, usize) {
     let missed: Vec<&str> = said.iter().filter(|s| !s.holds()).map(|s| s.name).collect();
-    // One in twenty may miss.
     assert!(missed.len() <= 2, "{missed:?}");
-    for s in &said {
+    for s in said {
         assert!((0.6..1.5).contains(&s.chi2), "{}: χ² {}", s.name, s.chi2);
     }
-    // Most are seen at all, and many well enough to exclude that there is no effect.
     let seen = said.iter().filter(|s| s.identifiable).count();
     let sure = said.iter().filter(|s| s.neutral < s.interval[0] || s.neutral > s.interval[1]).count();
-    assert!(seen >= 17 && sure >= 8, "{seen} {sure}");
+    (seen, sure)
+}
+
+#[test]
+fn every_effect_is_found_again_in_its_own_record() {
+    let (seen, sure) = check(&all(Base::Held, 1));
+    assert!(seen >= 17 && sure >= 6, "{seen} {sure}");
+}
+
+#[test]
+fn every_effect_is_found_again_beside_an_unknown_base() {
+    let (seen, sure) = check(&all(Base::Free, 1));
+    assert!(seen >= 14 && sure >= 5, "{seen} {sure}");
+}
+
+/// How often the intervals hold the truth over twenty records of each effect.
+#[test]
+#[ignore = "slow: ten minutes"]
+fn intervals_hold_in_many_records() {
+    for values in [Base::Held, Base::Free] {
+        let runs: Vec<Vec<Said>> = (0..20).map(|seed| all(values, seed)).collect();
+        let mut held = 0;
+        println!("effect, of {} records: interval holds, identifiable", runs.len());
+        for k in 0..runs[0].len() {
+            let of = |what: fn(&Said) -> bool| runs.iter().filter(|r| what(&r[k])).count();
+            println!("{:24} {:3} {:3}", runs[0][k].name, of(Said::holds), of(|s| s.identifiable));
+            held += of(Said::holds);
+        }
+        let share = held as f64 / (runs.len() * runs[0].len()) as f64;
+        println!("together: {:.1} %", 100.0 * share);
+        assert!(share >= 0.92, "{share}");
+    }
 }

@@ -1,6 +1,6 @@
 //! The stages of a search, and their order on the coarse and the given mesh.
 
-use super::work::Work;
+use super::work::{TearMisfit, Work};
 use super::{AnalysisError, Stage};
 use input::{Case, Mode, TestKind};
 use inverse::{FitError, PredictError};
@@ -26,13 +26,14 @@ pub(crate) fn stages(model: &Model, mode: Mode) -> Vec<StagePlan> {
         return vec![(Stage::Joint, free, all)];
     }
     let (bulk, rest) = (model.free_on(Site::Bulk), model.free_on(Site::Interface));
-    let other = free.len() > bulk.len() + rest.len();
+    let joint = mode == Mode::Joint || rest.is_empty() || free.len() > bulk.len() + rest.len();
     let mut out = vec![
         (Stage::Bulk, bulk, only(TestKind::Uniaxial)),
         (Stage::Interface, rest, only(TestKind::Tearing)),
     ];
-    // Rig, specimen and sensor effects act on every test: they have no stage of their own.
-    if mode == Mode::Joint || other {
+    // Rig, specimen and sensor effects act on every test: they have no stage of their own. Nor would any stage look at the
+    // tear, which strains the bulk too, where no parameter of the tear is free.
+    if joint {
         out.push((Stage::Joint, free, all));
     }
     out.retain(|s| !s.1.is_empty());
@@ -102,9 +103,7 @@ impl Search<'_> {
             match end {
                 Ok(f) if best.as_ref().is_none_or(|b| f < b.0) => best = Some((f, work.theta.clone())),
                 Ok(_) => {}
-                Err(AnalysisError::Fit(FitError::Start(PredictError::NotComputable(why)))) => {
-                    failed = Some(AnalysisError::Fit(FitError::Start(PredictError::NotComputable(why))));
-                }
+                Err(e) if cannot_begin(&e) => failed = Some(e),
                 Err(e) => return Err(e),
             }
         }
@@ -117,27 +116,35 @@ impl Search<'_> {
     }
 
     /// A bulk that the intact strip alone leaves open, along the valley of its sloppy combinations, may end where the
-    /// tear cannot be explained: all parameters are then fitted to all records, from the beginning, since strengths that
-    /// made up for a wrong bulk are a bad start. The stages stand where that does not help.
-    pub fn release(&self, work: &mut Work) -> Option<StagePlan> {
-        let before = work.tear_left;
+    /// tear cannot be explained, or not even computed: all parameters are then fitted to all records, from the beginning,
+    /// since strengths that made up for a wrong bulk are a bad start. The stages stand where that does not help.
+    ///
+    /// `left`: what the stages left of the tear, if they ended.
+    pub fn release(&self, work: &mut Work, left: Option<TearMisfit>) -> Option<StagePlan> {
         let (theta, held, starts) = (work.theta.clone(), work.held, work.starts.clone());
         let stopped = work.stopped.len();
         work.theta = self.fine.theta();
         let list = stages(self.fine, Mode::Joint);
         // A search that cannot begin helps as little; one that the user stops ends at the closing run.
-        if self.run(work, &list).is_err() || work.tear_left.excess() > HELPED * before.excess() {
+        let ended = self.run(work, &list).is_ok();
+        let enough = left.map_or(f64::INFINITY, |l| HELPED * l.excess());
+        if !ended || work.tear_left.excess() > enough {
             (work.theta, work.held, work.starts) = (theta, held, starts);
             work.stopped.truncate(stopped);
             return None;
         }
         if let Some(last) = work.stopped.last_mut() {
-            last.1 = format!(
-                "The intact strip's bulk left the tear at χ² {:.2} per point: everything was fitted to all records. {}",
-                before.per_point(),
-                last.1
+            let why = left.map_or_else(
+                || "With the intact strip's bulk the tear could not be computed".to_owned(),
+                |l| format!("The intact strip's bulk left the tear at χ² {:.2} per point", l.per_point()),
             );
+            last.1 = format!("{why}: everything was fitted to all records. {}", last.1);
         }
         list.into_iter().find(|s| s.0 == Stage::Joint)
     }
+}
+
+/// Whether a search could not begin where it was to.
+pub(super) fn cannot_begin(e: &AnalysisError) -> bool {
+    matches!(e, AnalysisError::Fit(FitError::Start(PredictError::NotComputable(_))))
 }

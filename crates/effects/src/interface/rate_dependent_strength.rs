@@ -111,7 +111,13 @@ impl Decoration<3> for Rate {
         let mut r = call.inner(inner_new);
         let delta = effective_opening(call.gradient, call.base[LAMBDA]);
         let growth = delta - call.old[DELTA];
-        let rate = if call.ctx.dt > 0.0 { growth.positive_part() / call.ctx.dt } else { call.old[SPEED] };
+        let rate = match call.ctx.dt {
+            // From a standing point the search for equilibrium begins as if it opened: the strength that it then gains
+            // is next to a step, and held until it is overcome.
+            dt if dt > 0.0 && growth.value() >= 0.0 => growth / dt,
+            dt if dt > 0.0 => S::zero(),
+            _ => call.old[SPEED],
+        };
         let rise = call.own[C] * (rate / call.own[RATE0]).ln_1p();
         let traction = effective_traction(&r.force, call.gradient, delta);
         new[DELTA] = delta;

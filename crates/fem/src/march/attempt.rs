@@ -4,7 +4,7 @@ use super::March;
 use crate::equilibrium::{Border, Control, take_up, train_elongation};
 use crate::error::FemError;
 use crate::newton::{Converged, NewtonOptions, Step};
-use crate::problem::Prescribed;
+use crate::problem::{Prescribed, Problem};
 use crate::state::{Guess, State};
 use constitutive::Context;
 
@@ -24,7 +24,7 @@ impl March<'_> {
         let mut fresh = self.state.clone();
         fresh.actuator = actuator;
         let guessed = guess.is_some();
-        if let Some(guess) = guess.or_else(|| self.extrapolate(actuator)) {
+        if let Some(guess) = guess.or_else(|| self.extrapolate(actuator, dt)) {
             fresh.grip = self.grip_of(&guess.u, actuator);
             fresh.begin_at(guess);
         }
@@ -110,6 +110,17 @@ impl March<'_> {
         control: Control,
         fresh: &mut State,
     ) -> Result<Converged, FemError> {
+        self.newton_of(self.problem, ctx, control, fresh)
+    }
+
+    /// The same of a problem that differs from the run's by its supports' displacements.
+    pub(super) fn newton_of(
+        &mut self,
+        problem: &Problem,
+        ctx: Context,
+        control: Control,
+        fresh: &mut State,
+    ) -> Result<Converged, FemError> {
         if self.run.iterations > self.options.budget {
             return Err(FemError::Setup(format!("more than {} Newton iterations", self.options.budget)));
         }
@@ -124,7 +135,7 @@ impl March<'_> {
             ..self.options.newton
         };
         let step = Step {
-            problem: self.problem,
+            problem,
             local: &self.local,
             free: &self.free,
             ctx,

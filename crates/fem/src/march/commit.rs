@@ -1,6 +1,6 @@
 //! Accepting a step: derivatives, energies, history, the record of it.
 
-use super::visits::Visit;
+use super::visits::{Recent, Visit};
 use super::{Kept, March, StepRecord};
 use crate::energy::{self, Ledger};
 use crate::equilibrium::Border;
@@ -72,7 +72,7 @@ pub(crate) fn fresh_commit(
     if arc.is_some() {
         m.recent.clear();
     } else {
-        m.recent.push((m.state.actuator, m.state.guess()));
+        m.recent.push(Recent { actuator: m.state.actuator, time, guess: m.state.guess() });
         if m.recent.len() > 3 {
             m.recent.remove(0);
         }

@@ -3,6 +3,7 @@
 mod attempt;
 mod commit;
 mod mark;
+mod mounting;
 mod options;
 mod record;
 mod visits;
@@ -19,7 +20,7 @@ use crate::sensitivity::Columns;
 use crate::state::{Guess, State};
 use crate::system::System;
 use crate::warm::{Warm, warm_guess};
-use visits::Visit;
+use visits::{Recent, Visit};
 
 /// Share of a planned step below which Newton gets more iterations instead of shorter steps alone.
 const STUBBORN: f64 = 0.2;
@@ -39,7 +40,7 @@ pub(crate) struct March<'a> {
     pub largest_force: f64,
     visits: Vec<Visit>,
     reusable: bool,
-    recent: Vec<(f64, Guess)>,
+    recent: Vec<Recent>,
     /// Cuts have not helped so far: Newton gets more iterations.
     stubborn: bool,
     train_energy: f64,
@@ -96,7 +97,8 @@ pub fn march(
             && (target.actuator - targets[index - 1].actuator)
                 * (targets[index - 1].actuator - targets[index - 2].actuator)
                 <= 0.0;
-        if turned {
+        // A hold begins at the rate at which the ramp ends.
+        if turned && target.actuator != targets[index - 1].actuator {
             m.recent.truncate(0);
         }
         if m.revisit(index, target) {
@@ -136,6 +138,8 @@ impl March<'_> {
         let mut done = 0.0;
         let mut share: f64 = 1.0;
         let mut lost = false;
+        // With no time to pass nothing is left to cut but the mounting.
+        let mut whole = travel == 0.0 && target.dt == 0.0;
         loop {
             let end = (done + share).min(1.0);
             let last = end > 1.0 - 1e-12;
@@ -161,6 +165,9 @@ impl March<'_> {
                     share *= if iterations <= 5 { 2.0 } else { 1.0 };
                 }
                 Err(e @ FemError::Setup(_)) => return Err(e),
+                Err(e) if std::mem::take(&mut whole) => {
+                    guess = Some(self.mounted_in_parts().ok_or_else(|| blame(e, self.state.actuator, 0.0))?);
+                }
                 Err(e) => {
                     share *= 0.5;
                     let tired = share < self.options.min_step_fraction;
@@ -188,8 +195,13 @@ impl March<'_> {
         tired: bool,
         lost: &mut bool,
     ) -> Result<bool, FemError> {
-        if step == 0.0 || tired && self.problem.path.is_none() {
+        // Where the actuator stands still there is only time to cut.
+        let standing = step == 0.0;
+        if standing && (tired || target.dt == 0.0) || tired && self.problem.path.is_none() {
             return Err(blame(failed, self.state.actuator, step.abs()));
+        }
+        if standing {
+            return Ok(false);
         }
         // Where the mean opening has no say, neither has its tangent on limit points.
         let ahead = self.measure == Measure::Softening || tired || path::limit_ahead(self, step);

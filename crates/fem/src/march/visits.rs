@@ -10,6 +10,13 @@ pub(super) struct Visit {
     pub(super) state: State,
 }
 
+/// A state of the present branch.
+pub(super) struct Recent {
+    pub(super) actuator: f64,
+    pub(super) time: f64,
+    pub(super) guess: Guess,
+}
+
 impl March<'_> {
     /// Takes a state over from an earlier visit in the same elastic excursion: no history changed
     /// since, no law looks at time, the displacement is the same.
@@ -48,18 +55,32 @@ impl March<'_> {
     }
 
     /// Quadratic (or linear) extrapolation of the last states of the same branch.
-    pub(super) fn extrapolate(&self, actuator: f64) -> Option<Guess> {
+    pub(super) fn extrapolate(&self, actuator: f64, dt: f64) -> Option<Guess> {
+        if actuator == self.state.actuator {
+            return self.creep(dt);
+        }
         let n = self.recent.len();
         let weights: Vec<f64> = match n {
             0 | 1 => return None,
-            2 => lagrange(&[self.recent[0].0, self.recent[1].0], actuator),
-            _ => lagrange(&[self.recent[n - 3].0, self.recent[n - 2].0, self.recent[n - 1].0], actuator),
+            2 => lagrange(&[self.recent[0].actuator, self.recent[1].actuator], actuator),
+            _ => lagrange(&[0, 1, 2].map(|i| self.recent[n - 3 + i].actuator), actuator),
         };
         if weights.iter().any(|w| !w.is_finite() || w.abs() > 20.0) {
             return None;
         }
-        let used = self.recent[n - weights.len()..].iter().map(|(_, g)| g);
+        let used = self.recent[n - weights.len()..].iter().map(|r| &r.guess);
         Guess::combined(&weights.into_iter().zip(used).collect::<Vec<_>>())
+    }
+
+    /// What moves on at a standing actuator, as fast as in the last step: a tear that stopped at once would lose all the
+    /// strength it has by its rate.
+    fn creep(&self, dt: f64) -> Option<Guess> {
+        let [.., before, last] = &self.recent[..] else { return None };
+        let share = (dt / (last.time - before.time)).min(1.0);
+        if !self.problem.rate_dependent() || !share.is_finite() {
+            return None;
+        }
+        Guess::combined(&[(1.0 + share, &last.guess), (-share, &before.guess)])
     }
 }
 
