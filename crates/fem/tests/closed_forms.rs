@@ -52,3 +52,25 @@ fn incompressible_limit_of_uniaxial_tension() {
         assert!((8.0..12.5).contains(&rate), "{errors:?}");
     }
 }
+
+/// A strip mounted so far pulled apart that Newton's method does not find it in one step: the force is the law's at that
+/// stretch, as if the grip had gone there, and the history none of the parts.
+#[test]
+fn a_mounting_too_large_for_one_step() {
+    let bulk = Tissue::peers(1.0, 0.1).bulk;
+    let mut problem = problem(&strip([2, 4, 2]), Ends::Sliding, 1);
+    for apart in [2.0, 4.0, 6.0] {
+        let mut supports = (*problem.supports).clone();
+        for s in supports.iter_mut().flatten() {
+            s.mount = apart * s.grip;
+        }
+        problem.supports = supports.into();
+        let run = complete(&problem, &bulk, &plan(vec![0.1]), tight());
+        for (s, force) in at_targets(&run).zip(forces(&run)) {
+            let stretch = 1.0 + (apart + s.actuator) / 10.0;
+            let exact = 4.0 * uniaxial::at(&Hgo::default(), &bulk, stretch).unwrap().nominal_stress;
+            println!("mounted at {apart} mm, {}: {force} N, exact {exact}", s.actuator);
+            assert!((force / exact - 1.0).abs() < 1e-8, "{apart} mm: {force} {exact}");
+        }
+    }
+}
