@@ -71,3 +71,24 @@ pub(crate) fn length(dz: &DVector<f64>, d: &DVector<f64>) -> f64 {
 pub(crate) fn moves(z: &DVector<f64>, dz: &DVector<f64>) -> bool {
     z.iter().zip(dz.iter()).any(|(z, d)| d.abs() > 1e-14 * z.abs().max(1e-300))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DMatrix;
+
+    /// Undamped the step would be (0.3, 11): by their own sizes the first leaves its box the farthest, and with that on its
+    /// edge the second comes back inside. By plain lengths the second would be put on its edge first, and stay there.
+    #[test]
+    fn the_worst_offender_is_told_by_the_size_of_its_box() {
+        let j = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, -10.0, 1.0]);
+        let r = &j * DVector::from_vec(vec![0.3, 11.0]);
+        let space =
+            StepBox { lower: DVector::from_vec(vec![-0.1, -10.0]), upper: DVector::from_vec(vec![0.1, 10.0]) };
+        let step = bounded_step(&Reduced::new(&j, &r), &DVector::from_element(2, 1.0), 0.0, &space);
+        assert!((step.dz[0] - 0.1).abs() < 1e-12 && (step.dz[1] - 9.0).abs() < 1e-9, "{}", step.dz);
+        // |r|² − |r − J dz|²
+        let left = &r - &j * &step.dz;
+        assert!((step.fall - (r.norm_squared() - left.norm_squared())).abs() < 1e-9);
+    }
+}
