@@ -77,7 +77,8 @@ impl March<'_> {
     fn creep(&self, dt: f64) -> Option<Guess> {
         let [.., before, last] = &self.recent[..] else { return None };
         let share = (dt / (last.time - before.time)).min(1.0);
-        if !self.problem.rate_dependent() || !share.is_finite() {
+        let by_rate = self.problem.path.as_ref().is_some_and(|p| p.law.rate_dependent());
+        if !by_rate || !share.is_finite() {
             return None;
         }
         Guess::combined(&[(1.0 + share, &last.guess), (-share, &before.guess)])
