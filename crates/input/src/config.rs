@@ -172,8 +172,8 @@ pub struct EffectConfig {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Mode {
-    /// Bulk from the uniaxial test, then the interface with the bulk held (default, the paper). All records for the bulk
-    /// where nothing of the interface is free: no stage would look at the tear.
+    /// Bulk from the uniaxial test, then the interface with the bulk held (default, the paper); then all tests at once
+    /// where effects are free that are not of the tear alone.
     #[default]
     Staged,
     /// All tests at once, from the staged start.

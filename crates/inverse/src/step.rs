@@ -83,8 +83,10 @@ mod tests {
     fn the_worst_offender_is_told_by_the_size_of_its_box() {
         let j = DMatrix::from_row_slice(2, 2, &[1.0, 0.0, -10.0, 1.0]);
         let r = &j * DVector::from_vec(vec![0.3, 11.0]);
-        let space =
-            StepBox { lower: DVector::from_vec(vec![-0.1, -10.0]), upper: DVector::from_vec(vec![0.1, 10.0]) };
+        let space = StepBox {
+            lower: DVector::from_vec(vec![-0.1, -10.0]),
+            upper: DVector::from_vec(vec![0.1, 10.0]),
+        };
         let step = bounded_step(&Reduced::new(&j, &r), &DVector::from_element(2, 1.0), 0.0, &space);
         assert!((step.dz[0] - 0.1).abs() < 1e-12 && (step.dz[1] - 9.0).abs() < 1e-9, "{}", step.dz);
         // |r|² − |r − J dz|²

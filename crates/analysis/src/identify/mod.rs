@@ -16,7 +16,7 @@ use input::Case;
 use inverse::{Fit, FitError, Free, Iterate, Noise, PredictError, Quality, Uncertainty, Whitened};
 use model::{BuildError, Catalogue, Discretisation, Model, RunOptions};
 use nalgebra::DVector;
-use search::{Search, cannot_begin, staged};
+use search::{Search, staged};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -175,14 +175,9 @@ pub fn identify(
         return Err(AnalysisError::Case("no parameter is free".into()));
     }
     let search = Search { case: &case, catalogue, fine: &fine, coarse: coarse.as_ref() };
-    let may_release = case.identify.release_bulk && staged(&list);
-    match search.run(&mut work, &list) {
-        Ok(()) if may_release && work.tear_left.unexplained() => {
-            let left = work.tear_left;
-            list.extend(search.release(&mut work, Some(left)));
-        }
-        Err(e) if may_release && cannot_begin(&e) => list.push(search.release(&mut work, None).ok_or(e)?),
-        ended => ended?,
+    search.run(&mut work, &list)?;
+    if case.identify.release_bulk && staged(&list) && work.tear_left.unexplained() {
+        list.extend(search.release(&mut work));
     }
     work.finish(fine, coarse, measured, &list)
 }

@@ -1,6 +1,6 @@
 //! The stages of a search, and their order on the coarse and the given mesh.
 
-use super::work::{TearMisfit, Work};
+use super::work::Work;
 use super::{AnalysisError, Stage};
 use input::{Case, Mode, TestKind};
 use inverse::{FitError, PredictError};
@@ -26,13 +26,14 @@ pub(crate) fn stages(model: &Model, mode: Mode) -> Vec<StagePlan> {
         return vec![(Stage::Joint, free, all)];
     }
     let (bulk, rest) = (model.free_on(Site::Bulk), model.free_on(Site::Interface));
-    let joint = mode == Mode::Joint || rest.is_empty() || free.len() > bulk.len() + rest.len();
+    // Effects that are not of the tear act on every test, those of the bulk too: the tear strains and unloads it otherwise
+    // than the intact strip does. They have no stage of their own.
+    let everywhere = |&i: &usize| model.is_of_effect(i) && model.site_of(i) != Site::Interface;
+    let joint = mode == Mode::Joint || free.iter().any(everywhere);
     let mut out = vec![
         (Stage::Bulk, bulk, only(TestKind::Uniaxial)),
         (Stage::Interface, rest, only(TestKind::Tearing)),
     ];
-    // Rig, specimen and sensor effects act on every test: they have no stage of their own. Nor would any stage look at the
-    // tear, which strains the bulk too, where no parameter of the tear is free.
     if joint {
         out.push((Stage::Joint, free, all));
     }
@@ -103,7 +104,9 @@ impl Search<'_> {
             match end {
                 Ok(f) if best.as_ref().is_none_or(|b| f < b.0) => best = Some((f, work.theta.clone())),
                 Ok(_) => {}
-                Err(e) if cannot_begin(&e) => failed = Some(e),
+                Err(AnalysisError::Fit(FitError::Start(PredictError::NotComputable(why)))) => {
+                    failed = Some(AnalysisError::Fit(FitError::Start(PredictError::NotComputable(why))));
+                }
                 Err(e) => return Err(e),
             }
         }
@@ -116,35 +119,27 @@ impl Search<'_> {
     }
 
     /// A bulk that the intact strip alone leaves open, along the valley of its sloppy combinations, may end where the
-    /// tear cannot be explained, or not even computed: all parameters are then fitted to all records, from the beginning,
-    /// since strengths that made up for a wrong bulk are a bad start. The stages stand where that does not help.
-    ///
-    /// `left`: what the stages left of the tear, if they ended.
-    pub fn release(&self, work: &mut Work, left: Option<TearMisfit>) -> Option<StagePlan> {
+    /// tear cannot be explained: all parameters are then fitted to all records, from the beginning, since strengths that
+    /// made up for a wrong bulk are a bad start. The stages stand where that does not help.
+    pub fn release(&self, work: &mut Work) -> Option<StagePlan> {
+        let before = work.tear_left;
         let (theta, held, starts) = (work.theta.clone(), work.held, work.starts.clone());
         let stopped = work.stopped.len();
         work.theta = self.fine.theta();
         let list = stages(self.fine, Mode::Joint);
         // A search that cannot begin helps as little; one that the user stops ends at the closing run.
-        let ended = self.run(work, &list).is_ok();
-        let enough = left.map_or(f64::INFINITY, |l| HELPED * l.excess());
-        if !ended || work.tear_left.excess() > enough {
+        if self.run(work, &list).is_err() || work.tear_left.excess() > HELPED * before.excess() {
             (work.theta, work.held, work.starts) = (theta, held, starts);
             work.stopped.truncate(stopped);
             return None;
         }
         if let Some(last) = work.stopped.last_mut() {
-            let why = left.map_or_else(
-                || "With the intact strip's bulk the tear could not be computed".to_owned(),
-                |l| format!("The intact strip's bulk left the tear at χ² {:.2} per point", l.per_point()),
+            last.1 = format!(
+                "The intact strip's bulk left the tear at χ² {:.2} per point: everything was fitted to all records. {}",
+                before.per_point(),
+                last.1
             );
-            last.1 = format!("{why}: everything was fitted to all records. {}", last.1);
         }
         list.into_iter().find(|s| s.0 == Stage::Joint)
     }
-}
-
-/// Whether a search could not begin where it was to.
-pub(super) fn cannot_begin(e: &AnalysisError) -> bool {
-    matches!(e, AnalysisError::Fit(FitError::Start(PredictError::NotComputable(_))))
 }

@@ -185,7 +185,7 @@ fn run(b: &mut Builder) {
             "mode",
             choice(&["staged", "joint"]),
             word("staged"),
-            "bulk first, then the interface (all tests, where nothing of it is free); or all tests at once",
+            "bulk first, then the interface (then all at once, where effects outside the tear are free); or all tests at once",
         )
         .key(
             "tolerance",
@@ -211,7 +211,7 @@ fn run(b: &mut Builder) {
             "release_bulk",
             Kind::Bool,
             Fallback::Bool(true),
-            "staged: fit everything at once where the intact strip's bulk leaves the tear unexplained, or lets no run of it begin",
+            "staged: fit everything at once where the intact strip's bulk leaves the tear unexplained",
         );
     b.section("solver")
         .key(

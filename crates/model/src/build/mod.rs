@@ -140,6 +140,11 @@ impl Model {
         }
     }
 
+    /// Whether a parameter is an effect's.
+    pub fn is_of_effect(&self, index: usize) -> bool {
+        self.active.iter().any(|a| a.params.contains(&index))
+    }
+
     /// Names of the effects in the model.
     pub fn effects(&self) -> Vec<String> {
         self.active.iter().map(|a| a.effect.card().name.to_owned()).collect()
