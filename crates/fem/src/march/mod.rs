@@ -138,8 +138,8 @@ impl March<'_> {
         let mut done = 0.0;
         let mut share: f64 = 1.0;
         let mut lost = false;
-        // With no time to pass nothing is left to cut but the mounting.
-        let mut whole = travel == 0.0 && target.dt == 0.0;
+        // Where neither travel nor time leads there is only the mounting to cut.
+        let mut mounting = travel == 0.0 && target.dt == 0.0;
         loop {
             let end = (done + share).min(1.0);
             let last = end > 1.0 - 1e-12;
@@ -165,7 +165,7 @@ impl March<'_> {
                     share *= if iterations <= 5 { 2.0 } else { 1.0 };
                 }
                 Err(e @ FemError::Setup(_)) => return Err(e),
-                Err(e) if std::mem::take(&mut whole) => {
+                Err(e) if std::mem::take(&mut mounting) => {
                     guess = Some(self.mounted_in_parts().ok_or_else(|| blame(e, self.state.actuator, 0.0))?);
                 }
                 Err(e) => {
