@@ -92,7 +92,9 @@ impl Uncertainty {
             _ => {
                 let to = f.backward(f.forward(x) + scaled * self.scales[k]);
                 let change = to - x;
-                if x != 0.0 && (change / x).abs() < 10.0 {
+                if f.at_bound(to) {
+                    "as far as its bound".into()
+                } else if x != 0.0 && (change / x).abs() < 10.0 {
                     format!("{:+.0} %", 100.0 * change / x)
                 } else {
                     format!("{change:+.3}")

@@ -195,6 +195,7 @@ fn a_direction_is_named_by_what_moves_and_by_how_much() {
     assert_eq!(idle(plain(4.0)), said("+130 %"));
     assert_eq!(idle(plain(0.0)), said("+5.200"));
     assert_eq!(idle(plain(0.1)), said("+5.200"), "fifty times its value is no percentage");
+    assert_eq!(idle(plain(4.9)), said("as far as its bound"));
 }
 
 #[test]
