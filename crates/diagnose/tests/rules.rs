@@ -101,14 +101,24 @@ fn on_an_unexplained_record_a_name_needs_half_of_the_excess() {
 
 #[test]
 fn a_share_of_the_excess_counts_with_and_without_the_numerical_error() {
-    let found = |raw: f64| {
+    let found = |before: f64, raw: f64| {
         let mut table = Table::new(&[("", 4000.0), ("a", 3000.0)]).screen_at("", &[("a", 3000.0)]);
-        table.raw = BTreeMap::from([("", 81.0), ("a", raw)]);
+        table.raw = BTreeMap::from([("", before), ("a", raw)]);
         table.search(&Policy::default()).found
     };
     // With the error `a` takes 1000 of 3294. Of the record's noise alone 80 are too much, of which half is 40.
-    assert!(found(41.5).is_empty());
-    assert_eq!(found(40.5), ["a"]);
+    assert!(found(81.0, 41.5).is_empty());
+    assert_eq!(found(81.0, 40.5), ["a"]);
+    assert_eq!(found(3.0, 1.9), ["a"]);
+    assert!(found(3.0, 2.1).is_empty());
+}
+
+#[test]
+fn on_an_explained_record_half_of_the_least_fall_must_be_promised() {
+    let d = Table::new(&[("", 700.0), ("a", 675.0), ("b", 690.0)])
+        .screen_at("", &[("a", 11.0), ("b", 9.0)])
+        .search(&Policy::default());
+    assert_eq!(tried(&d), ["a"]);
 }
 
 #[test]
@@ -265,7 +275,8 @@ fn a_search_ends_at_the_largest_number_of_effects_and_at_a_screen_that_fails() {
             .screen_at("a", &[("b", 1300.0)])
     };
     let one = Policy { max_effects: 1, ..Policy::default() };
-    assert_eq!(table().search(&one).found, ["a"]);
+    let d = table().pair("a", "b", 3300.0).search(&one);
+    assert_eq!((d.found.join("+"), tried(&d)), ("a".into(), vec!["a".into()]), "nor is a pair tried");
     let d = table().screen_at("a", &[("(fails)", 0.0)]).search(&Policy::default());
     assert_eq!((d.found.join("+"), d.verdict), ("a".into(), Verdict::Unexplained));
     assert_eq!(d.failed, [(vec!["a".to_owned()], "screen: no screen here".to_owned())]);
