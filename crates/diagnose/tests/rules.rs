@@ -101,16 +101,20 @@ fn on_an_unexplained_record_a_name_needs_half_of_the_excess() {
 
 #[test]
 fn a_share_of_the_excess_counts_with_and_without_the_numerical_error() {
-    let found = |before: f64, raw: f64| {
-        let mut table = Table::new(&[("", 4000.0), ("a", 3000.0)]).screen_at("", &[("a", 3000.0)]);
+    let with = |chi2: f64, before: f64, raw: f64| {
+        let mut table = Table::new(&[("", 4000.0), ("a", chi2)]).screen_at("", &[("a", 3000.0)]);
         table.raw = BTreeMap::from([("", before), ("a", raw)]);
         table.search(&Policy::default()).found
     };
+    let found = |before: f64, raw: f64| with(3000.0, before, raw);
     // With the error `a` takes 1000 of 3294. Of the record's noise alone 80 are too much, of which half is 40.
     assert!(found(81.0, 41.5).is_empty());
     assert_eq!(found(81.0, 40.5), ["a"]);
     assert_eq!(found(3.0, 1.9), ["a"]);
     assert!(found(3.0, 2.1).is_empty());
+    // Half of 3293 with the error is enough, whatever the record's noise alone says.
+    assert_eq!(with(2300.0, 81.0, 80.0), ["a"]);
+    assert!(with(2400.0, 81.0, 80.0).is_empty());
 }
 
 #[test]
