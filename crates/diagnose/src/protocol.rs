@@ -119,3 +119,26 @@ fn refine(t: &[f64], u: &[f64], corners: &mut [usize]) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_tile_the_record() {
+        let t: Vec<f64> = (0..90).map(f64::from).collect();
+        let u: Vec<f64> = t.iter().map(|&t| t.min(30.0) - (t - 60.0).max(0.0)).collect();
+        let ranges: Vec<Range<usize>> = pieces(&t, &u).into_iter().map(|p| p.range).collect();
+        assert_eq!(ranges, [0..31, 31..61, 61..90]);
+    }
+
+    /// Points that lie in turn at ±a around a ramp miss the line through their neighbours by 2 a, which is √(3/2) sd of
+    /// independent errors at even times.
+    #[test]
+    fn noise_of_the_displacement_is_what_neighbours_do_not_share() {
+        let t: Vec<f64> = (0..40).map(f64::from).collect();
+        let u: Vec<f64> = (0..40).map(|i| 0.3 * f64::from(i) + if i % 2 == 0 { 0.01 } else { -0.01 }).collect();
+        assert!((displacement_noise(&t, &u) / (1.4826 * 0.02 / 1.5f64.sqrt()) - 1.0).abs() < 1e-9);
+        assert_eq!(displacement_noise(&t[..2], &u[..2]), 0.0);
+    }
+}
