@@ -107,6 +107,16 @@ impl Said {
     fn holds(&self) -> bool {
         self.interval[0] <= self.truth && self.truth <= self.interval[1]
     }
+
+    /// Whether the interval tells the effect from none.
+    fn told(&self) -> bool {
+        self.neutral < self.interval[0] || self.neutral > self.interval[1]
+    }
+
+    /// Error of the amplitude as a share of it.
+    fn error(&self) -> f64 {
+        (self.value - self.truth).abs() / (self.truth - self.neutral).abs()
+    }
 }
 
 fn recovered(base: &Case, catalogue: &Catalogue, effect: &Arc<dyn Effect>, seed: u64) -> Said {
@@ -178,7 +188,7 @@ fn check(said: &[Said]) -> (usize, usize) {
         assert!((0.6..1.5).contains(&s.chi2), "{}: χ² {}", s.name, s.chi2);
     }
     let seen = said.iter().filter(|s| s.identifiable).count();
-    let sure = said.iter().filter(|s| s.neutral < s.interval[0] || s.neutral > s.interval[1]).count();
+    let sure = said.iter().filter(|s| s.told()).count();
     (seen, sure)
 }
 
@@ -201,10 +211,19 @@ fn intervals_hold_in_many_records() {
     for values in [Base::Held, Base::Free] {
         let runs: Vec<Vec<Said>> = (0..20).map(|seed| all(values, seed)).collect();
         let mut held = 0;
-        println!("effect, of {} records: interval holds, identifiable", runs.len());
+        println!("of {} records: interval holds, identifiable, told from none; median error", runs.len());
         for k in 0..runs[0].len() {
             let of = |what: fn(&Said) -> bool| runs.iter().filter(|r| what(&r[k])).count();
-            println!("{:24} {:3} {:3}", runs[0][k].name, of(Said::holds), of(|s| s.identifiable));
+            let mut errors: Vec<f64> = runs.iter().map(|r| r[k].error()).collect();
+            errors.sort_by(f64::total_cmp);
+            println!(
+                "{:24} {:3} {:3} {:3} {:4.0} %",
+                runs[0][k].name,
+                of(Said::holds),
+                of(|s| s.identifiable),
+                of(Said::told),
+                100.0 * errors[errors.len() / 2]
+            );
             held += of(Said::holds);
         }
         let share = held as f64 / (runs.len() * runs[0].len()) as f64;

@@ -137,7 +137,8 @@ mod tests {
     #[test]
     fn noise_of_the_displacement_is_what_neighbours_do_not_share() {
         let t: Vec<f64> = (0..40).map(f64::from).collect();
-        let u: Vec<f64> = (0..40).map(|i| 0.3 * f64::from(i) + if i % 2 == 0 { 0.01 } else { -0.01 }).collect();
+        let u: Vec<f64> =
+            (0..40).map(|i| 0.3 * f64::from(i) + if i % 2 == 0 { 0.01 } else { -0.01 }).collect();
         assert!((displacement_noise(&t, &u) / (1.4826 * 0.02 / 1.5f64.sqrt()) - 1.0).abs() < 1e-9);
         assert_eq!(displacement_noise(&t[..2], &u[..2]), 0.0);
     }
