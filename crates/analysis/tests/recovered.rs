@@ -195,13 +195,14 @@ fn check(said: &[Said]) -> (usize, usize) {
 #[test]
 fn every_effect_is_found_again_in_its_own_record() {
     let (seen, sure) = check(&all(Base::Held, 1));
-    assert!(seen >= 17 && sure >= 6, "{seen} {sure}");
+    // The least of twenty seeds.
+    assert!(seen >= 19 && sure >= 8, "{seen} {sure}");
 }
 
 #[test]
 fn every_effect_is_found_again_beside_an_unknown_base() {
     let (seen, sure) = check(&all(Base::Free, 1));
-    assert!(seen >= 14 && sure >= 5, "{seen} {sure}");
+    assert!(seen >= 15 && sure >= 8, "{seen} {sure}");
 }
 
 /// How often the intervals hold the truth over twenty records of each effect.
