@@ -54,6 +54,10 @@ hidden-quick:
 real:
     cargo run --release -p analysis --example disc -- ../shared/real/*/config.toml
 
+# Every effect in twenty records of its own: how often intervals hold, errors of the amplitudes (14 minutes).
+recovered:
+    cargo test --release -p analysis --test recovered -- --ignored --nocapture
+
 # Coverage of intervals and uniformity of the screen's p-values, with finite elements (docs/reliability.md): mesh error above the noise, and below it. Half an hour.
 coverage:
     cargo run --release -p analysis --example coverage -- 200
