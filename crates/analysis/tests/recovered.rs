@@ -207,7 +207,7 @@ fn every_effect_is_found_again_beside_an_unknown_base() {
 
 /// How often the intervals hold the truth over twenty records of each effect.
 #[test]
-#[ignore = "slow: ten minutes"]
+#[ignore = "slow: run by `just recovered`"]
 fn intervals_hold_in_many_records() {
     for values in [Base::Held, Base::Free] {
         let runs: Vec<Vec<Said>> = (0..20).map(|seed| all(values, seed)).collect();
