@@ -34,8 +34,19 @@ fn common(path: &str) -> String {
     }
 }
 
+/// Has the priors of a case stand where they are while its start values move.
+pub(crate) fn hold(case: &mut Case) {
+    for (path, ..) in LITERATURE {
+        let given = given_value(case, path);
+        case.identify.priors.around.insert(path.to_owned(), given);
+    }
+}
+
 /// What the file gives for a base parameter.
 fn given_value(case: &Case, path: &str) -> Option<f64> {
+    if let Some(&given) = case.identify.priors.around.get(path) {
+        return given;
+    }
     let b = &case.bulk;
     match path {
         "bulk.mu" => b.mu.value,
@@ -78,5 +89,61 @@ pub fn add(frees: &mut [Free], case: &Case, literature: bool) {
         f.lower = f.lower.max(f.transform.backward(mean - REACH * sd));
         f.upper = f.upper.min(f.transform.backward(mean + REACH * sd));
         f.start = f.start.clamp(f.lower, f.upper);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+    use model::{Discretisation, Model};
+    use std::sync::Arc;
+
+    /// A case that gives the tissue but nothing of the tear.
+    fn case(root: &std::path::Path) -> Case {
+        let text = "name = \"x\"\n[geometry]\nlength_mm = 6.0\nwidth_mm = 4.0\nthickness_mm = 0.8\ncut_mm = 1.0\n\
+                    [[tests]]\nkind = \"tearing\"\nprotocol = [{ to_mm = 1.0, rate_mm_per_s = 0.05 }]\n[mesh]\ndivisions = [4, 4, 1]\n\
+                    [bulk]\nmu_kPa = 6.0\nk1_kPa = 500.0\nk2 = 12.0\ngamma_deg = 40.0\nkappa = 0.2\n\
+                    [interface]\nareas = 2\n";
+        std::fs::write(root.join("c.toml"), text).expect("written");
+        input::read_case(&root.join("c.toml"), &effects::catalogue()).unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    /// The free parameters of a case with the literature's priors.
+    fn priors_of(case: &Case) -> Vec<Free> {
+        let model = Model::new(Arc::new(case.clone()), &effects::catalogue(), Discretisation::default())
+            .expect("a model");
+        let mut list = crate::identify::frees(&model, &model.theta(), &model.free());
+        add(&mut list, case, true);
+        list
+    }
+
+    #[test]
+    fn priors_stand_around_what_the_file_gives_else_around_the_literature() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let list = priors_of(&case(folder.path()));
+        let of = |path: &str| list.iter().find(|f| f.path == path).and_then(|f| f.prior).expect("a prior");
+        assert_relative_eq!(of("bulk.k1").mean, 0.5f64.ln());
+        assert_relative_eq!(of("bulk.k1").sd, 0.5);
+        assert_relative_eq!(of("interface.area[2].gc").mean, 0.4f64.ln());
+        assert_relative_eq!(of("interface.area[2].gc").sd, 1.2);
+    }
+
+    /// A diagnosis of a finished run starts at its values. Were its priors to follow them, no tissue would be absurd.
+    #[test]
+    fn priors_stay_where_a_search_starts_elsewhere() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut case = case(folder.path());
+        let before = priors_of(&case);
+        let found = [("bulk.k1", 1.5), ("bulk.k2", 30.0), ("interface.area[1].gc", 0.05)];
+        for _ in 0..2 {
+            crate::start_at(&mut case, found.into_iter());
+            let after = priors_of(&case);
+            for (a, b) in after.iter().zip(&before) {
+                assert_eq!((&a.path, a.prior, a.lower, a.upper), (&b.path, b.prior, b.lower, b.upper));
+                let start = found.iter().find(|f| f.0 == a.path).map_or(b.start, |f| f.1);
+                assert_relative_eq!(a.start, start);
+            }
+        }
     }
 }

@@ -264,8 +264,9 @@ pub(crate) fn from_record(case: &Case) -> (f64, f64) {
     out
 }
 
-/// Writes identified values into a case as the start of the next search; bounds and freedom stay.
+/// Writes identified values into a case as the start of the next search; bounds, freedom and what priors expect stay.
 pub fn start_at<'a>(case: &mut Case, values: impl Iterator<Item = (&'a str, f64)>) {
+    crate::priors::hold(case);
     let areas = case.interface.areas;
     for (path, value) in values {
         if let Some((area, what)) = path.strip_prefix("interface.area[").and_then(|r| r.split_once("].")) {

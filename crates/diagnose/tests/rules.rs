@@ -217,6 +217,18 @@ fn the_first_three_are_refitted_and_further_ones_that_promise_about_as_much() {
 }
 
 #[test]
+fn a_look_alike_is_fitted_along_when_it_promises_a_little_or_its_derivative_tells_nothing() {
+    let sets = [("", 4000.0), ("a", 2000.0), ("b", 2001.0), ("c", 2002.0), ("d", 2003.0)];
+    let mut table = Table::new(&sets).screen_at("", &[("a", 1000.0), ("b", 10.5), ("c", 9.5), ("d", 0.0)]);
+    let findings = table.findings.get_mut("").unwrap();
+    findings[0].look_alikes = ["b", "c", "d"].map(String::from).to_vec();
+    findings[1..].iter_mut().for_each(|f| f.significant = false);
+    findings[3].refit_only = true;
+    // `d` belongs to the first lot's look-alikes; that it is tried later as well costs no second fit.
+    assert_eq!(tried(&table.search(&Policy::default())), ["a", "b", "d"]);
+}
+
+#[test]
 fn once_one_explains_only_its_equals_by_promise_are_fitted() {
     let run = |b: f64| {
         let s = Table::new(&[("", 4000.0), ("a", 700.0), ("b", 710.0), ("c", 720.0)])

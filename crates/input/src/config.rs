@@ -199,6 +199,10 @@ pub struct PriorsConfig {
     /// Priors given in the file, by parameter path (`bulk.mu`, `interface.gc` for all areas,
     /// `effects.compliance.c`); they replace the literature's.
     pub given: BTreeMap<String, Prior>,
+    /// What the file gave for base parameters (`bulk.k1`, `interface.gc`; `None`: nothing), where the case starts at
+    /// identified values instead: a start may move, what is expected of a tissue does not. No key of a file.
+    #[serde(skip)]
+    pub around: BTreeMap<String, Option<f64>>,
 }
 
 /// `[identify]`

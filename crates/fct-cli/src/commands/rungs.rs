@@ -67,6 +67,8 @@ fn case_of(case: &Case, row: &LadderRow, parent: Option<&Path>) -> Case {
     let mut rung = case.clone();
     rung.effects.clone_from(&row.forms);
     analysis::start_at(&mut rung, row.values.iter().map(|(p, v)| (p.as_str(), *v)));
+    // Its run.toml gives these values, and what is expected stands around them.
+    rung.identify.priors.around.clear();
     rung.identify.mode = Mode::Joint;
     // As the search did it: refitting without them would be another question.
     rung.identify.priors.literature.get_or_insert(true);
