@@ -1,5 +1,6 @@
 //! The misfit atlas: where the model is off, segment by segment.
 
+use crate::ratio::ratio;
 use crate::segments::Segment;
 use crate::tails::normal_sf;
 use inverse::rms;
@@ -65,20 +66,20 @@ pub fn atlas_by(misfit: &[f64], position: &[f64], classes: usize) -> Vec<([f64; 
 fn row(name: &str, r: &[f64], total: f64) -> SegmentMisfit {
     let square: f64 = r.iter().map(|v| v * v).sum();
     let n = r.len() as f64;
-    let mean = if r.is_empty() { 0.0 } else { r.iter().sum::<f64>() / n };
+    let mean = ratio(r.iter().sum(), n);
     let rho = autocorrelation(r);
     let changes: f64 = r.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum();
     let effective = (n * (1.0 - rho.max(0.0)) / (1.0 + rho.max(0.0))).max(1.0);
     let spread = ((square / n.max(1.0) - mean * mean).max(0.0) / effective).sqrt();
     let sign = match mean {
-        m if m > 2.0 * spread && m > 0.0 => '+',
-        m if m < -2.0 * spread && m < 0.0 => '-',
+        m if m > 2.0 * spread => '+',
+        m if m < -2.0 * spread => '-',
         _ => '0',
     };
     SegmentMisfit {
         segment: name.to_owned(),
         points: r.len(),
-        share: if total > 0.0 { square / total } else { 0.0 },
+        share: ratio(square, total),
         rms: rms(r.iter().copied()),
         mean,
         sign,
@@ -91,7 +92,7 @@ fn row(name: &str, r: &[f64], total: f64) -> SegmentMisfit {
 /// Lag-1 autocorrelation about zero; 0 for fewer than two points.
 pub fn autocorrelation(r: &[f64]) -> f64 {
     let square: f64 = r.iter().map(|v| v * v).sum();
-    if square > 0.0 { r.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / square } else { 0.0 }
+    ratio(r.windows(2).map(|w| w[0] * w[1]).sum(), square)
 }
 
 /// p-value that independent signs change as seldom as those of `r` or more seldom; 1 for fewer than ten points.

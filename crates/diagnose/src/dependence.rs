@@ -2,6 +2,7 @@
 //! spline (or one level per value when it takes few), and what each explains beyond the others.
 
 use crate::atlas::autocorrelation;
+use crate::ratio::ratio;
 use crate::tails::f_sf;
 use inverse::orthonormal;
 use nalgebra::{DMatrix, DVector};
@@ -55,7 +56,7 @@ pub fn protocol_variables(t: &[f64], u: &[f64], force: &[f64], turns: &[usize]) 
             last = t[i.saturating_sub(1)];
         }
         let (a, b) = (i.saturating_sub(2), (i + 2).min(n - 1));
-        let v = if b > a && t[b] > t[a] { (u[b] - u[a]) / (t[b] - t[a]) } else { 0.0 };
+        let v = ratio(u[b] - u[a], t[b] - t[a]);
         let step = turns.contains(&i);
         if step && v < 0.0 && !falling {
             falling = true;
@@ -85,8 +86,10 @@ pub fn dependence(misfit: &[f64], variables: &[Variable]) -> Vec<Dependence> {
     let n = misfit.len();
     let r = DVector::from_column_slice(misfit);
     let total = r.norm_squared();
-    let usable =
-        |v: &Variable| v.values.len() == n && v.values.iter().all(|x| x.is_finite()) && n > 0 && total > 0.0;
+    if n == 0 || total <= 0.0 {
+        return variables.iter().map(|v| nothing(&v.name)).collect();
+    }
+    let usable = |v: &Variable| v.values.len() == n && v.values.iter().all(|x| x.is_finite());
     let blocks: Vec<DMatrix<f64>> =
         variables.iter().map(|v| if usable(v) { basis(&v.values) } else { DMatrix::zeros(n, 0) }).collect();
     let constant = DMatrix::from_element(n, 1, 1.0);
@@ -101,9 +104,6 @@ pub fn dependence(misfit: &[f64], variables: &[Variable]) -> Vec<Dependence> {
         let left = &r - &q * q.tr_mul(&r);
         (left.norm_squared(), q.ncols(), left)
     };
-    if n == 0 || total <= 0.0 {
-        return variables.iter().map(|v| nothing(&v.name)).collect();
-    }
     let (full, rank, left) = fitted(None, None);
     let rho = autocorrelation(left.as_slice()).clamp(0.0, 0.95);
     let effective = n as f64 * (1.0 - rho) / (1.0 + rho);

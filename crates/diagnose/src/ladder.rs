@@ -1,5 +1,6 @@
 //! The rungs of a ladder of models, and what makes one better than another.
 
+use crate::ratio::ratio;
 use crate::{Finding, Policy, Screen};
 use inverse::Quality;
 use serde::Serialize;
@@ -185,5 +186,5 @@ pub fn weights(criterion: &[f64]) -> Vec<f64> {
     let best = criterion.iter().copied().fold(f64::INFINITY, f64::min);
     let raw: Vec<f64> = criterion.iter().map(|c| (-0.5 * (c - best)).exp()).collect();
     let sum: f64 = raw.iter().sum();
-    raw.iter().map(|w| if sum > 0.0 { w / sum } else { 0.0 }).collect()
+    raw.iter().map(|w| ratio(*w, sum)).collect()
 }

@@ -6,6 +6,7 @@ mod ladder;
 mod pairs;
 mod policy;
 mod protocol;
+mod ratio;
 mod score;
 mod statistic;
 mod sup;

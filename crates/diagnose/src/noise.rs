@@ -6,6 +6,7 @@
 //! counts. Windows with a step or a kink stand out by their variance and are left out. sd and AR(1) follow
 //! by restricted maximum likelihood over the remaining windows together (Patterson & Thompson 1971).
 
+use crate::ratio::ratio;
 use crate::tails::chi2_isf;
 use inverse::orthonormal;
 use nalgebra::{DMatrix, DVector};
@@ -149,7 +150,7 @@ fn curvature_error(windows: &[Window], ar1: f64) -> f64 {
 }
 
 fn cut(t: &[f64], y: &[f64], breaks: &[usize], target: usize) -> Vec<Window> {
-    let mut edges: Vec<usize> = breaks.iter().copied().filter(|&b| b > 0 && b < t.len()).collect();
+    let mut edges: Vec<usize> = breaks.iter().map(|&b| b.min(t.len())).collect();
     edges.push(0);
     edges.push(t.len());
     edges.sort_unstable();
@@ -205,10 +206,7 @@ fn keep_smooth(windows: Vec<Window>) -> Vec<Window> {
     for _ in 0..3 {
         let kept: Vec<&Window> = windows.iter().filter(|w| fits(w, typical)).collect();
         let freedom: f64 = kept.iter().map(|w| w.freedom()).sum();
-        if freedom == 0.0 {
-            break;
-        }
-        typical = kept.iter().map(|w| w.u.norm_squared()).sum::<f64>() / freedom;
+        typical = ratio(kept.iter().map(|w| w.u.norm_squared()).sum(), freedom);
     }
     windows.into_iter().filter(|w| fits(w, typical)).collect()
 }

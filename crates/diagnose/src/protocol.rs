@@ -2,6 +2,9 @@
 
 use std::ops::Range;
 
+/// Rates in this proportion are one rate.
+pub(crate) const LIKE: Range<f64> = 0.77..1.3;
+
 /// A stretch of constant rate.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Piece {
@@ -62,7 +65,7 @@ fn split(t: &[f64], u: &[f64], a: usize, b: usize, tolerance: f64, corners: &mut
     let mut stack = vec![(a, b)];
     while let Some((a, b)) = stack.pop() {
         let line = |i: usize| u[a] + (u[b] - u[a]) * (t[i] - t[a]) / (t[b] - t[a]);
-        let far = (a + 1..b).map(|i| (i, (u[i] - line(i)).abs())).max_by(|x, y| x.1.total_cmp(&y.1));
+        let far = (a..b).map(|i| (i, (u[i] - line(i)).abs())).max_by(|x, y| x.1.total_cmp(&y.1));
         if let Some((i, _)) = far.filter(|f| f.1 > tolerance) {
             corners.push(i);
             stack.push((a, i));
@@ -98,7 +101,7 @@ fn join(t: &[f64], u: &[f64], corners: &mut Vec<usize>, tolerance: f64) {
     while k + 1 < corners.len() {
         let (r1, h1) = motion(t, u, corners[k - 1], corners[k], tolerance);
         let (r2, h2) = motion(t, u, corners[k], corners[k + 1], tolerance);
-        let like = (h1 && h2) || (!h1 && !h2 && r1 * r2 > 0.0 && (r1 / r2).ln().abs() < 0.26);
+        let like = (h1 && h2) || (!h1 && !h2 && LIKE.contains(&(r1 / r2)));
         if like {
             corners.remove(k);
         } else {
@@ -111,10 +114,9 @@ fn join(t: &[f64], u: &[f64], corners: &mut Vec<usize>, tolerance: f64) {
 fn refine(t: &[f64], u: &[f64], corners: &mut [usize]) {
     for k in 1..corners.len().saturating_sub(1) {
         let (a, c) = (corners[k - 1], corners[k + 1]);
-        let from = corners[k].saturating_sub(3).max(a + 1);
-        let to = (corners[k] + 3).min(c - 1);
+        let near = (a + 1..c).filter(|b| b.abs_diff(corners[k]) <= 3);
         let square = |b: usize| line_fit(t, u, a, b).1 + line_fit(t, u, b, c).1;
-        if let Some(best) = (from..=to).min_by(|&x, &y| square(x).total_cmp(&square(y))) {
+        if let Some(best) = near.min_by(|&x, &y| square(x).total_cmp(&square(y))) {
             corners[k] = best;
         }
     }

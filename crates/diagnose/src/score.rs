@@ -6,6 +6,7 @@
 //! at a bound are left out.
 
 use crate::pairs::{Pair, pairs};
+use crate::ratio::ratio;
 use crate::statistic::{Fall, statistic};
 use crate::sup::Family;
 use crate::tails::benjamini_hochberg;
@@ -232,10 +233,12 @@ fn project<'a>(
     let (mut shapes, mut visibility, mut falls) = (Vec::new(), Vec::new(), Vec::new());
     for shape in &candidate.shapes {
         let s = &shape.columns;
-        let mut out = s - q * q.tr_mul(s);
-        out -= q * q.tr_mul(&out);
-        let size = s.norm();
-        let seen = if size > 0.0 { out.norm() / size } else { 0.0 };
+        let mut out = s.clone();
+        // Once more for what rounding leaves.
+        for _ in 0..2 {
+            out -= q * q.tr_mul(&out);
+        }
+        let seen = ratio(out.norm(), s.norm());
         if seen < policy.min_visibility {
             out.fill(0.0);
         }
@@ -268,7 +271,7 @@ fn finding(p: &Projected, chi2: f64, policy: &Policy) -> Finding {
         shape: c.shapes.get(p.best).map_or(Vec::new(), |s| s.parameters.clone()),
         shape_index: p.best,
         fall,
-        expected_fall: if chi2 > 0.0 { fall / chi2 } else { 0.0 },
+        expected_fall: ratio(fall, chi2),
         p_value: if live.is_empty() { 1.0 } else { family.p_value(p.fall(), policy) },
         p_bonferroni: if live.is_empty() { 1.0 } else { family.bonferroni(p.fall()) },
         q_value: 1.0,
@@ -282,11 +285,11 @@ fn finding(p: &Projected, chi2: f64, policy: &Policy) -> Finding {
     }
 }
 
-/// Standard errors of amplitudes, √diag(G⁻¹); infinite-like (1e150) where the column is zero.
+/// Standard errors of amplitudes, √diag(G⁻¹); 1e150 where nothing is known.
 fn std_errors(s: &DMatrix<f64>) -> Vec<f64> {
     let gram = s.tr_mul(s);
     match gram.clone().cholesky() {
         Some(c) => c.inverse().diagonal().iter().map(|v| v.max(0.0).sqrt()).collect(),
-        None => gram.diagonal().iter().map(|&g| if g > 0.0 { 1.0 / g.sqrt() } else { 1e150 }).collect(),
+        None => gram.diagonal().iter().map(|g| (1.0 / g.sqrt()).min(1e150)).collect(),
     }
 }

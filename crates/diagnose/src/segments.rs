@@ -1,6 +1,6 @@
 //! A record cut into named segments: toe, load, hold, unload, reload, rate change, onset, peak, plateau, tail.
 
-use crate::protocol::{Piece, displacement_noise, pieces};
+use crate::protocol::{LIKE, Piece, displacement_noise, pieces};
 use serde::Serialize;
 use std::ops::Range;
 
@@ -117,7 +117,7 @@ fn label_motion(t: &[f64], u: &[f64], parts: &[Piece]) -> Vec<SegmentKind> {
                 SegmentKind::Reload
             } else {
                 in_virgin = true;
-                let changed = virgin_rate.is_some_and(|r| (piece.rate / r).ln().abs() > 0.26);
+                let changed = virgin_rate.is_some_and(|r| !LIKE.contains(&(piece.rate / r)));
                 if changed { SegmentKind::RateChange } else { SegmentKind::Load }
             };
             reached = reached.max(u[i]);

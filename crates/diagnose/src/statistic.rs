@@ -1,5 +1,6 @@
 //! The score statistic of one block of columns, with signs of amplitudes respected.
 
+use crate::ratio::ratio;
 use crate::{Amplitude, Side};
 use nalgebra::{DMatrix, DVector};
 
@@ -29,7 +30,7 @@ pub(crate) fn statistic(gram: &DMatrix<f64>, b: &DVector<f64>, sides: &[Side]) -
     let k = b.len();
     let mut best = Fall { fall: 0.0, amplitudes: vec![0.0; k] };
     if k == 1 {
-        let a = if gram[(0, 0)] > 0.0 { b[0] / gram[(0, 0)] } else { 0.0 };
+        let a = ratio(b[0], gram[(0, 0)]);
         if sides[0].admits(a) {
             best = Fall { fall: a * b[0], amplitudes: vec![a] };
         }
@@ -69,7 +70,7 @@ fn two(gram: &DMatrix<f64>, b: &DVector<f64>, sides: &[Side]) -> Fall {
     }
     let mut best = Fall { fall: 0.0, amplitudes: vec![0.0; 2] };
     for i in 0..2 {
-        let a = if gram[(i, i)] > 0.0 { b[i] / gram[(i, i)] } else { 0.0 };
+        let a = ratio(b[i], gram[(i, i)]);
         if sides[i].admits(a) && a * b[i] > best.fall {
             let mut amplitudes = vec![0.0; 2];
             amplitudes[i] = a;

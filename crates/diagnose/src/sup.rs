@@ -6,6 +6,7 @@
 //! fixed seed. Beyond the draws, an upper bound takes over: the first-crossing form of Bonferroni, in which
 //! neighbouring shapes pay only for the angle between them (Davies 1987), so that far tails err on the safe side.
 
+use crate::ratio::ratio;
 use crate::statistic::statistic;
 use crate::tails::{SMALLEST, chi2_sf, normal_sf};
 use crate::{Policy, Side};
@@ -62,7 +63,7 @@ impl Family<'_> {
 
     /// Upper bound: Bonferroni, sharpened for one amplitude by the angles between neighbouring shapes.
     pub fn bound(&self, fall: f64) -> f64 {
-        if self.sides.len() != 1 || fall <= 0.0 {
+        if self.sides.len() != 1 {
             return self.bonferroni(fall);
         }
         let one = normal_sf(fall.sqrt());
@@ -95,7 +96,7 @@ impl Family<'_> {
                 let g = random.normals(basis.ncols());
                 inner.iter().zip(&grams).any(|(s, gram)| {
                     let b = s.tr_mul(&g);
-                    b.norm_squared() > 0.0 && statistic(gram, &b, self.sides).fall >= fall
+                    statistic(gram, &b, self.sides).fall >= fall
                 })
             })
             .count()
@@ -109,11 +110,7 @@ impl Family<'_> {
         dimensions: usize,
         inner: &[DMatrix<f64>],
     ) -> usize {
-        let units: Vec<Vec<f64>> = inner
-            .iter()
-            .filter(|s| s.norm() > 0.0)
-            .map(|s| s.iter().map(|v| v / s.norm()).collect())
-            .collect();
+        let units: Vec<Vec<f64>> = inner.iter().map(|s| s.iter().map(|v| v / s.norm()).collect()).collect();
         let (critical, side) = (fall.sqrt(), self.sides[0]);
         let mut random = Random::new(policy.seed);
         let mut g = vec![0.0; dimensions];
@@ -134,6 +131,5 @@ impl Family<'_> {
 }
 
 fn cosine(a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
-    let (na, nb) = (a.norm(), b.norm());
-    if na > 0.0 && nb > 0.0 { a.dot(b) / (na * nb) } else { 0.0 }
+    ratio(a.dot(b), a.norm() * b.norm())
 }

@@ -67,13 +67,13 @@ fn shares_of_segments_are_of_the_whole_record() {
     let rows = atlas(&r, &segments);
     assert_eq!(rows.iter().map(|r| r.points).collect::<Vec<_>>(), [10, 10, 10, 0]);
     assert_eq!(rows.iter().map(|r| r.share).collect::<Vec<_>>(), [0.2, 0.8, 0.0, 0.0]);
-    // By position 0 to 3 in three stretches: the least position, then (0, 1], (1, 2], (2, 3].
-    let by = atlas_by(&[1.0, 1.0, 2.0, 0.0, 1.0], &[0.0, 0.5, 1.0, 2.5, 3.0], 3);
+    // By position 1 to 7 in three stretches: the least position, then (1, 3], (3, 5], (5, 7].
+    let by = atlas_by(&[1.0, 1.0, 2.0, 0.0, 1.0], &[1.0, 2.0, 3.0, 6.0, 7.0], 3);
     let said: Vec<_> = by.iter().map(|(ends, r)| (*ends, r.segment.as_str(), r.points, r.share)).collect();
     let want = [
-        ([0.0, 0.0], "0.00 mm", 1, 1.0 / 7.0),
-        ([0.0, 1.0], "1.00 mm", 2, 5.0 / 7.0),
-        ([2.0, 3.0], "3.00 mm", 2, 1.0 / 7.0),
+        ([1.0, 1.0], "1.00 mm", 1, 1.0 / 7.0),
+        ([1.0, 3.0], "3.00 mm", 2, 5.0 / 7.0),
+        ([5.0, 7.0], "7.00 mm", 2, 1.0 / 7.0),
     ];
     assert_eq!(said, want);
 }

@@ -160,6 +160,18 @@ fn two_effects_that_are_nothing_alone_are_found_as_a_pair() {
 }
 
 #[test]
+fn a_pair_is_fitted_when_it_promises_ten_more_than_any_single_effect() {
+    let fitted = |joint: f64| {
+        let d = Table::new(&[("", 4000.0), ("a", 2000.0), ("b", 3900.0), ("a+b", 700.0)])
+            .screen_at("", &[("a", 2000.0), ("b", 100.0)])
+            .pair("a", "b", joint)
+            .search(&Policy::default());
+        tried(&d).contains(&"a+b".to_owned())
+    };
+    assert_eq!([2010.5, 2009.5].map(fitted), [true, false]);
+}
+
+#[test]
 fn an_effect_whose_derivative_tells_nothing_is_tried_where_nothing_else_explains() {
     let run = |a: f64| {
         let mut table = Table::new(&[("", 4000.0), ("a", a), ("dull", 690.0)])

@@ -56,7 +56,7 @@ fn a_score_on_axes_is_pythagoras() {
     close(f.amplitudes[0].1, -4.0);
     assert!(f.significant && !f.visible, "1 standard deviation is below 10");
     let f = s.finding("wrong").unwrap();
-    assert_eq!((f.fall, f.p_value, f.amplitudes[0].1), (0.0, 1.0, 0.0));
+    assert_eq!((f.fall, f.p_value, f.p_bonferroni, f.amplitudes[0].1), (0.0, 1.0, 1.0, 0.0));
     let f = s.finding("both").unwrap();
     close(f.fall, 25.0);
     close(f.p_value, chi2_sf(25.0, 2.0));
@@ -86,6 +86,10 @@ fn pairs_on_axes_are_pythagoras() {
     close(s.pair("x", "between").unwrap().angle_degrees, 45.0);
     close(s.pair("between", "x").unwrap().joint_fall, 9.0);
     close(s.pair("up", "down").unwrap().angle_degrees, 90.0);
+    // One that has a sign and one that has none.
+    close(s.pair("x", "up").unwrap().angle_degrees, 45.0);
+    close(s.pair("up", "y").unwrap().angle_degrees, 90.0);
+    close(s.pair("x", "down").unwrap().angle_degrees, 0.0);
     // What is left between a column and its rivals, beyond the base.
     let (base, rival) = (along(&[(7, 3.0)]), along(&[(0, 5.0)]));
     let columns = |v: &DVector<f64>| DMatrix::from_columns(std::slice::from_ref(v));
@@ -169,6 +173,26 @@ fn simulated_tails_are_those_of_independent_shapes() {
     // One signed amplitude of two: half the time it is at zero.
     let signed = p_value(&misfit, &[Side::Positive, Side::Both], &[&[axis(0), axis(1)]]);
     near(&signed, 0.5 * (chi2_sf(4.0, 1.0) + chi2_sf(4.0, 2.0)));
+}
+
+#[test]
+fn what_the_base_does_itself_promises_nothing() {
+    let hidden = |side: Side| Candidate::simple("hidden", side, 7.0, along(&[(7, 2.0)]));
+    let mut twice = hidden(Side::Both);
+    twice.amplitudes.push(twice.amplitudes[0].clone());
+    twice.shapes[0].columns = DMatrix::from_columns(&[along(&[(7, 2.0)]), along(&[(0, 1.0)])]);
+    for c in [hidden(Side::Both), hidden(Side::Positive)] {
+        let f = screened(&[c]).findings[0].clone();
+        assert_eq!((f.fall, f.p_value, f.p_bonferroni, f.visibility), (0.0, 1.0, 1.0, 0.0));
+        assert_eq!((f.amplitudes[0].1, f.std_errors[0], f.snr), (0.0, 1e150, 0.0));
+    }
+    let f = screened(&[twice]).findings[0].clone();
+    close(f.fall, 9.0);
+    assert_eq!((f.amplitudes[0].1, f.amplitudes[1].1, f.std_errors[0]), (0.0, 3.0, 1e150));
+    close(f.std_errors[1], 1.0);
+    // Nothing at all is none either.
+    let f = screened(&[Candidate::simple("none", Side::Both, 7.0, along(&[]))]).findings[0].clone();
+    assert_eq!((f.fall, f.p_value, f.visibility), (0.0, 1.0, 0.0));
 }
 
 #[test]

@@ -6,6 +6,7 @@ use diagnose::dependence::{Variable, dependence, protocol_variables};
 use diagnose::holdout::split;
 use diagnose::segments::{RecordKind, Segment, SegmentKind, breaks, cut};
 use inverse::Random;
+use proptest::prelude::*;
 
 /// Rates and points of each stretch; displacement noise `sd`.
 fn protocol(steps: &[(f64, usize)], sd: f64) -> (Vec<f64>, Vec<f64>, Vec<usize>) {
@@ -192,4 +193,22 @@ fn whole_segments_are_held_out_and_every_kind_is_still_trained_on() {
     let one = vec![Segment { name: "load 1".into(), range: 0..100, kind: SegmentKind::Load }];
     assert_eq!(split(&one, 100, 0.25).mask.iter().filter(|&&m| m).count(), 20);
     assert!(split(&one, 100, 0.0).segments.is_empty());
+}
+
+proptest! {
+    /// Whatever the protocol and however rough the force: segments tile the record, and pieces of motion do.
+    #[test]
+    fn segments_tile_the_record(
+        steps in prop::collection::vec((prop::sample::select(vec![-0.2, -0.1, 0.0, 0.1, 0.5]), 3usize..40), 1..8),
+        roughness in 0.0..0.3f64,
+        tearing: bool,
+    ) {
+        let (t, u, _) = protocol(&steps, 0.0);
+        let mut random = Random::new(5);
+        let force: Vec<f64> = u.iter().map(|x| x.sin() + roughness * random.normal()).collect();
+        let kind = if tearing { RecordKind::Tearing } else { RecordKind::Intact };
+        let s = cut(&t, &u, &force, kind);
+        prop_assert_eq!((s[0].range.start, s[s.len() - 1].range.end), (0, t.len()));
+        prop_assert!(s.windows(2).all(|w| w[0].range.end == w[1].range.start), "{:?}", s);
+    }
 }
