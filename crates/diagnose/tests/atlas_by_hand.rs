@@ -157,6 +157,15 @@ fn dependence_is_an_analysis_of_variance() {
 }
 
 #[test]
+fn a_misfit_of_zero_depends_on_nothing() {
+    let x: Vec<f64> = (0..30).map(f64::from).collect();
+    for row in dependence(&[0.0; 30], &[Variable::new("x", x.clone()), Variable::new("short", vec![1.0])]) {
+        assert_eq!((row.share_alone, row.share_beyond, row.p_value), (0.0, 0.0, 1.0), "{}", row.variable);
+    }
+    assert_eq!(dependence(&[], &[Variable::new("x", vec![])]).len(), 1);
+}
+
+#[test]
 fn many_values_are_a_spline_with_knots_at_fifths() {
     let x: Vec<f64> = (0..21).map(|i| 3.0 + 2.0 * f64::from(i)).collect();
     let explained = |r: Vec<f64>| dependence(&r, &[Variable::new("x", x.clone())])[0].share_alone;

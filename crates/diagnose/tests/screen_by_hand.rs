@@ -196,6 +196,24 @@ fn what_the_base_does_itself_promises_nothing() {
 }
 
 #[test]
+fn three_amplitudes_of_one_effect_share_what_each_explains() {
+    let sides = |third: Side| {
+        let axis = |k: usize, w: f64| along(&[(k, w)]);
+        let misfit = along(&[(0, 3.0), (1, 4.0), (2, -5.0)]);
+        p_value(&misfit, &[Side::Both, Side::Both, third], &[&[axis(0, 1.0), axis(1, 2.0), axis(2, 1.0)]])
+    };
+    let all = sides(Side::Both);
+    close(all.fall, 50.0);
+    for ((_, a), want) in all.amplitudes.iter().zip([3.0, 2.0, -5.0]) {
+        close(*a, want);
+    }
+    // The third one may not be negative.
+    let two = sides(Side::Positive);
+    close(two.fall, 25.0);
+    assert_eq!(two.amplitudes[2].1, 0.0);
+}
+
+#[test]
 fn a_misfit_of_zero_promises_nothing() {
     let f = p_value(&along(&[]), &[Side::Both], &[&[along(&[(0, 1.0)])]]);
     assert_eq!((f.fall, f.expected_fall, f.p_value), (0.0, 0.0, 1.0));

@@ -95,6 +95,18 @@ fn the_parts_of_a_tear_begin_at_their_shares_of_the_peak() {
     assert_eq!(said, want);
 }
 
+/// A reloading ends where the largest displacement so far is met to within 0.2 % of the range.
+#[test]
+fn a_reloading_ends_just_below_what_was_reached() {
+    let (t, u, _) = protocol(&[(16.0, 16), (-2.0, 8), (0.125, 180)], 0.0);
+    let top = u[16];
+    let s = cut(&t, &u, &u, RecordKind::Intact);
+    let again = (25..u.len()).find(|&i| u[i] >= top - 2e-3 * top).unwrap();
+    assert!((again..u.len()).filter(|&i| u[i] < top).count() >= 4, "points between");
+    let reload = s.iter().find(|s| s.kind == SegmentKind::Reload).unwrap();
+    assert_eq!(reload.range, 25..again, "{s:?}");
+}
+
 /// Noise of a third of what a step moves: corners within a few points, and no further ones.
 #[test]
 fn noise_of_the_displacement_makes_no_corners() {
