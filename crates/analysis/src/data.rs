@@ -150,5 +150,6 @@ fn noise_of(
     let peak = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let (sd, ar1) =
         if cautious { (estimate.cautious_sd, estimate.cautious_ar1) } else { (estimate.sd, estimate.ar1) };
-    Ok(NoiseModel { sd: sd.max(1e-6 * peak).max(1e-12), ar1, nuisance: Vec::new() })
+    let freedom = estimate.freedom();
+    Ok(NoiseModel { freedom, ..NoiseModel::ar1(sd.max(1e-6 * peak).max(1e-12), ar1) })
 }

@@ -42,6 +42,13 @@ pub struct NoiseEstimate {
     pub points_used: usize,
 }
 
+impl NoiseEstimate {
+    /// Degrees of freedom of a χ² that is as uncertain as the square of `sd`.
+    pub fn freedom(&self) -> f64 {
+        0.5 / self.relative_error.powi(2)
+    }
+}
+
 /// Why no noise could be estimated.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum NoiseError {

@@ -95,6 +95,7 @@ fn a_correlation_maximises_the_restricted_likelihood_of_long_windows() {
     close(e.cautious_ar1, (e.ar1 + 1.5 * e.ar1_error).min(0.9), 1e-12);
     close(e.cautious_sd, restricted(&y, &windows, e.cautious_ar1).0, 1e-6);
     close(e.relative_error, (0.5 / freedom).sqrt() * (1.0 + e.ar1) / (1.0 - e.ar1), 1e-9);
+    close(e.freedom(), freedom * ((1.0 - e.ar1) / (1.0 + e.ar1)).powi(2), 1e-9);
 }
 
 /// What is not significant is not used, but a sceptic whitens with it where it is positive.

@@ -9,9 +9,23 @@ use crate::{Data, Fit, FitError, Free, Objective};
 use nalgebra::{DMatrix, DVector};
 use params::Transform;
 use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// Half width of a 95 % interval in standard deviations.
+/// Half width of a 95 % interval in standard deviations, where the noise is known.
 pub const Z95: f64 = 1.959_963_984_540_054;
+
+/// Degrees of freedom from which noise counts as known: the half width is within 0.02 % then, and statrs' quantile does
+/// not end at infinity.
+const KNOWN: f64 = 1e4;
+
+/// The same where the level of the noise is itself an estimate with so many degrees of freedom: the quantile of
+/// Student's distribution.
+fn half_width(freedom: f64) -> f64 {
+    if freedom >= KNOWN {
+        return Z95;
+    }
+    StudentsT::new(0.0, 1.0, freedom.max(1.0)).map_or(Z95, |t| t.inverse_cdf(0.975))
+}
 
 /// When a parameter counts as fixed by the data. All numbers are in natural scales of the transformed
 /// coordinate ([`Free::natural_scale`]): 1 is a factor e for `Log`, half the box for `Identity`.
@@ -68,6 +82,8 @@ pub struct Uncertainty {
     pub(crate) scales: Vec<f64>,
     pub(crate) theta: Vec<f64>,
     pub(crate) rule: Identifiability,
+    /// Half width of a 95 % interval in standard deviations.
+    pub(crate) half_width: f64,
 }
 
 /// Uncertainty at the optimum of `fit`. A whitened fit has the covariance (JᵀΣ⁻¹J)⁻¹; a fit of the
@@ -144,6 +160,8 @@ pub(crate) fn uncertainty_with(
         scales,
         theta: theta.clone(),
         rule: *rule,
+        // The least known noise counts: how a parameter shares its spread among the records is not asked.
+        half_width: half_width(data.blocks.iter().map(|b| b.noise.freedom).fold(f64::INFINITY, f64::min)),
     };
     out.estimates =
         (0..p)
@@ -176,7 +194,7 @@ impl Uncertainty {
             path: f.path.clone(),
             value,
             std_error: (scaled_sd < 1e3).then_some(std_error),
-            interval_95: [f.backward(z - Z95 * sd_z), f.backward(z + Z95 * sd_z)],
+            interval_95: [f.backward(z - self.half_width * sd_z), f.backward(z + self.half_width * sd_z)],
             at_bound: false,
             identifiable: scaled_sd <= self.rule.max_sd && learned,
             scaled_sd,
@@ -204,9 +222,9 @@ impl Uncertainty {
         let scaled_sd = (sd / size).min(f64::MAX.sqrt());
         let lower_end = value - f.lower <= f.upper - value;
         let interval_95 = if lower_end {
-            [value, (value + Z95 * sd).min(f.upper)]
+            [value, (value + self.half_width * sd).min(f.upper)]
         } else {
-            [(value - Z95 * sd).max(f.lower), value]
+            [(value - self.half_width * sd).max(f.lower), value]
         };
         Estimate {
             path: f.path.clone(),

@@ -13,17 +13,19 @@ pub struct NoiseModel {
     pub ar1: f64,
     /// The model's own numerical error: columns e, each with an unknown factor of prior N(0, 1).
     pub nuisance: Vec<DVector<f64>>,
+    /// Degrees of freedom that the level was estimated with; infinite where it is given.
+    pub freedom: f64,
 }
 
 impl NoiseModel {
     /// White noise without numerical error.
     pub fn white(sd: f64) -> Self {
-        Self { sd, ar1: 0.0, nuisance: Vec::new() }
+        Self::ar1(sd, 0.0)
     }
 
     /// Autocorrelated noise without numerical error.
     pub fn ar1(sd: f64, ar1: f64) -> Self {
-        Self { sd, ar1, nuisance: Vec::new() }
+        Self { sd, ar1, nuisance: Vec::new(), freedom: f64::INFINITY }
     }
 
     /// The same with one more column of numerical error.

@@ -127,6 +127,7 @@ impl Uncertainty {
             scales: order.iter().map(|&(second, k)| pick(second).scales[k]).collect(),
             theta: order.iter().map(|&(second, k)| pick(second).theta[k]).collect(),
             rule: self.rule,
+            half_width: self.half_width.max(other.half_width),
         }
     }
 }

@@ -34,6 +34,30 @@ fn errors_intervals_and_spectrum_of_a_line_are_textbook() {
     assert!(u.sloppy_directions().is_empty());
 }
 
+/// Where the level of the noise is an estimate, errors stay and intervals widen by Student's quantile (tables: 2.228 for
+/// ten degrees of freedom, 12.706 for one).
+#[test]
+fn noise_that_is_estimated_widens_intervals() {
+    let half = |freedom: [f64; 2]| {
+        let blocks = freedom.map(|freedom| {
+            let noise = NoiseModel { freedom, ..NoiseModel::white(0.5) };
+            (format!("{freedom}"), vec![-3.0, -1.1, 1.0, 3.2, 4.9], noise)
+        });
+        let d = Data::from_parts(blocks).unwrap();
+        let twice = |i: usize, p: &[f64]| line(i % 5, p);
+        let free = free(10.0);
+        let end = quiet(&Toy(10, twice), &d, &free, &exactly(Objective::Whitened));
+        let u = uncertainty(&d, &free, &end, &Identifiability::default()).unwrap();
+        let e = &u.estimates[0];
+        close(e.std_error.unwrap(), 0.5 / 10f64.sqrt());
+        (e.interval_95[1] - e.value) / e.std_error.unwrap()
+    };
+    let rounded = |x: f64| (1e3 * x).round() / 1e3;
+    assert_eq!(rounded(half([10.0, f64::INFINITY])), 2.228);
+    assert_eq!(rounded(half([50.0, 1.0])), 12.706);
+    close(half([f64::INFINITY; 2]), Z95);
+}
+
 #[test]
 fn a_logarithm_has_relative_errors_and_an_interval_by_factors() {
     let d = data(&truth(&Toy(5, line), &[1.0, 2.0]), NoiseModel::white(0.5));

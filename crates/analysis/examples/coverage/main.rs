@@ -3,7 +3,8 @@
 //! `cargo run --release -p analysis --example coverage -- 200` for 200 repeats each of white and AR(1) noise; a second
 //! number is the noise as a share of each record's peak (0.01), a third the elements along and across the strip (12), a
 //! fourth the strength in MPa (0.08): a weaker tear has a longer process zone, which the mesh resolves better; a fifth the
-//! displacement in mm that the tear is pulled to (5), which a weaker one needs more of.
+//! displacement in mm that the tear is pulled to (5), which a weaker one needs more of; a sixth
+//! one correlation of the noise instead of both.
 //!
 //! A repeat is a record of the fit's own model at the truth plus drawn noise plus the drawn multiple of its
 //! numerical error (difference to a mesh twice as coarse) that the intervals assume. Noise levels are estimated
@@ -23,9 +24,6 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use study::{START, Study, draw_priors};
-
-/// Correlations of the noise.
-const AR1: [f64; 2] = [0.0, 0.5];
 
 /// The model of a file, and its forces at the values there.
 fn clean(case: &Case) -> (Model, DVector<f64>) {
@@ -156,7 +154,7 @@ fn main() {
         let rms = known.numerical_error.rows(start, len).norm() / (len as f64).sqrt();
         println!("numerical error: {:.2} of the noise (root mean square)", rms / sd);
     }
-    for ar1 in AR1 {
+    for &ar1 in &study.ar1 {
         let said: Vec<Said> = (0..study.repeats)
             .into_par_iter()
             .map(|k| repeat(1000 + k, (&study, ar1), &clean, &known.numerical_error, &truth))

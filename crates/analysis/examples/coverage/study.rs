@@ -60,6 +60,8 @@ pub struct Study {
     pub strength: f64,
     /// Displacement that the tear is pulled to, mm.
     pub end: f64,
+    /// Correlations of the noise.
+    pub ar1: Vec<f64>,
 }
 
 impl Study {
@@ -74,6 +76,7 @@ impl Study {
             divisions: number(3, 12.0) as usize,
             strength: number(4, 0.08),
             end: number(5, 5.0),
+            ar1: std::env::args().nth(6).map_or(vec![0.0, 0.5], |a| vec![a.parse().expect("a number")]),
         }
     }
 
