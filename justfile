@@ -58,10 +58,10 @@ real:
 recovered:
     cargo test --release -p analysis --test recovered -- --ignored --nocapture
 
-# Coverage of intervals and uniformity of the screen's p-values, with finite elements (docs/reliability.md): mesh error above the noise, and below it. Half an hour.
+# Coverage of intervals and uniformity of the screen's p-values, with finite elements (docs/reliability.md): mesh error above the noise, and below it. Forty minutes.
 coverage:
     cargo run --release -p analysis --example coverage -- 200
-    cargo run --release -p analysis --example coverage -- 200 0.025
+    cargo run --release -p analysis --example coverage -- 200 0.025 24
 
 # Ten million damaged files for the readers, a hundred thousand for the way to a model; on a disk the files take most of the time.
 fuzz:
