@@ -107,3 +107,7 @@ book:
 # The manual as a web site in target/book; needs `cargo install mdbook`.
 book-html:
     mdbook build docs/book
+
+# Changes of the public interface against a revision: what breaks it needs a new minor version before 1.0.
+semver revision="HEAD~1":
+    cargo semver-checks --workspace --baseline-rev {{revision}}

@@ -61,7 +61,10 @@ fn a_report_is_clicked_and_read() -> Tested {
     hovering(&mut page, here)?;
     // The page of the diagnosed run names effects; the batch page has its table.
     page.load(&here.join("base/report.html"), 1280, "light")?;
-    assert!(page.text("#effects")?.contains("compliance"));
+    let diagnosis: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(here.join("base/diagnosis.json"))?)?;
+    let first = diagnosis["screen"][0]["effect"].as_str().ok_or("a screen")?;
+    assert!(page.text("#effects")?.contains(first), "{first}");
     page.load(&here.join("batch/batch.html"), 1280, "light")?;
     page.picture("batch", true)?;
     assert!(page.text("#table")?.contains("0.150"));
