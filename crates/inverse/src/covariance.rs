@@ -3,29 +3,13 @@
 //! Everything is linearised in the transformed coordinates z, where a logarithm makes the χ² valley
 //! straighter; intervals are made there and mapped back, so that they respect the bounds.
 
+use crate::half_width::half_width;
 use crate::linalg::{columns, spectrum};
 use crate::whiten::{Noise, Whitened};
 use crate::{Data, Fit, FitError, Free, Objective};
 use nalgebra::{DMatrix, DVector};
 use params::Transform;
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, StudentsT};
-
-/// Half width of a 95 % interval in standard deviations, where the noise is known.
-pub const Z95: f64 = 1.959_963_984_540_054;
-
-/// Degrees of freedom from which noise counts as known: the half width is within 0.02 % then, and statrs' quantile does
-/// not end at infinity.
-const KNOWN: f64 = 1e4;
-
-/// The same where the level of the noise is itself an estimate with so many degrees of freedom: the quantile of
-/// Student's distribution.
-fn half_width(freedom: f64) -> f64 {
-    if freedom >= KNOWN {
-        return Z95;
-    }
-    StudentsT::new(0.0, 1.0, freedom.max(1.0)).map_or(Z95, |t| t.inverse_cdf(0.975))
-}
 
 /// When a parameter counts as fixed by the data. All numbers are in natural scales of the transformed
 /// coordinate ([`Free::natural_scale`]): 1 is a factor e for `Log`, half the box for `Identity`.
