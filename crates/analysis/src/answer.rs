@@ -20,9 +20,11 @@ pub struct ScreenRow {
     pub effect: String,
     /// Expected fall as a share of χ².
     pub expected_fall: f64,
-    /// p-value, shapes paid for.
+    /// p-value with the noise as estimated from the records, shapes paid for.
     pub p_value: f64,
-    /// The same, adjusted for the whole catalogue.
+    /// The same with noise as correlated as the records allow, which decides.
+    pub p_cautious: f64,
+    /// That, adjusted for the whole catalogue.
     pub q_value: f64,
     /// Estimated parameters by file key.
     pub estimate: BTreeMap<String, f64>,
@@ -109,7 +111,8 @@ fn screen_rows(screen: &Screen, policy: &Policy, catalogue: &Catalogue) -> Vec<S
         .map(|f| in_file_units(f, catalogue))
         .map(|f| ScreenRow {
             expected_fall: f.expected_fall,
-            p_value: f.p_value,
+            p_value: f.p_shown(),
+            p_cautious: f.p_value,
             q_value: f.q_value,
             estimate: f.amplitudes.iter().chain(&f.shape).cloned().collect(),
             visible: f.visible,

@@ -67,6 +67,19 @@ impl Measured {
         Self::with(model, wanted, true)
     }
 
+    /// The same with the noise as estimated instead of a sceptic's; numerical error stays.
+    ///
+    /// # Errors
+    /// As [`Measured::of`].
+    pub fn as_estimated(&self, model: &Model) -> Result<Self, RecordError> {
+        let estimated = Self::of(model, &model.recorded())?.data;
+        let mut out = self.clone();
+        for (block, from) in out.data.blocks.iter_mut().zip(&estimated.blocks) {
+            (block.noise.sd, block.noise.ar1) = (from.noise.sd, from.noise.ar1);
+        }
+        Ok(out)
+    }
+
     fn with(model: &Model, wanted: &[bool], cautious: bool) -> Result<Self, RecordError> {
         let mut parts = Vec::new();
         let mut slots = Vec::new();

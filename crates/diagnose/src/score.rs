@@ -36,6 +36,9 @@ pub struct Finding {
     pub expected_fall: f64,
     /// p-value, shapes paid for.
     pub p_value: f64,
+    /// The same with the noise as estimated, where `p_value` assumes a sceptic's ([`Screen::beside`]): this one is uniform
+    /// where nothing is missing, the other decides.
+    pub p_estimated: Option<f64>,
     /// Plain Bonferroni bound of the p-value, as a check.
     pub p_bonferroni: f64,
     /// p-value adjusted for the whole catalogue (Benjamini–Hochberg).
@@ -70,12 +73,26 @@ pub struct Screen {
     pub freedom: usize,
 }
 
+impl Finding {
+    /// The p-value to show: with the noise as estimated, where that was asked.
+    pub fn p_shown(&self) -> f64 {
+        self.p_estimated.unwrap_or(self.p_value)
+    }
+}
+
 impl Screen {
     /// Sets aside what is significant: the search named nothing, and these records cannot exclude it.
     pub fn set_aside_significant(&mut self) {
         for f in self.findings.iter_mut().filter(|f| f.significant) {
             f.set_aside = true;
             f.visible = false;
+        }
+    }
+
+    /// Takes the p-values of `estimated`, the same screen with the noise as estimated from the records, beside its own.
+    pub fn beside(&mut self, estimated: &Screen) {
+        for f in &mut self.findings {
+            f.p_estimated = estimated.finding(&f.effect).map(|e| e.p_value);
         }
     }
 
@@ -273,6 +290,7 @@ fn finding(p: &Projected, chi2: f64, policy: &Policy) -> Finding {
         fall,
         expected_fall: ratio(fall, chi2),
         p_value: if live.is_empty() { 1.0 } else { family.p_value(p.fall(), policy) },
+        p_estimated: None,
         p_bonferroni: if live.is_empty() { 1.0 } else { family.bonferroni(p.fall()) },
         q_value: 1.0,
         visibility: p.visibility.get(p.best).copied().unwrap_or(0.0),

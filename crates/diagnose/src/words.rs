@@ -5,6 +5,9 @@ use crate::dependence::Dependence;
 use crate::ladder::Rung;
 use crate::{Discovery, Finding, Policy, Verdict};
 
+/// p-value from which a reader asks why an effect is not called for.
+const UNLIKELY: f64 = 0.05;
+
 /// What the screen says about one effect.
 pub fn finding(f: &Finding, policy: &Policy) -> String {
     let name = &f.effect;
@@ -16,7 +19,7 @@ pub fn finding(f: &Finding, policy: &Policy) -> String {
         return format!(
             "{name} would take away {:.0} % of χ² (p = {}): as little as the error of the mesh may do. A small amount of it cannot be excluded.{alike}",
             100.0 * f.expected_fall,
-            p_value(f.p_value)
+            p_value(f.p_shown())
         );
     }
     if f.significant {
@@ -29,7 +32,7 @@ pub fn finding(f: &Finding, policy: &Policy) -> String {
         return format!(
             "{name} would take away {:.0} % of χ² (p = {}), with {}.{alike}",
             100.0 * f.expected_fall,
-            p_value(f.p_value),
+            p_value(f.p_shown()),
             estimate.join(", ")
         );
     }
@@ -39,7 +42,16 @@ pub fn finding(f: &Finding, policy: &Policy) -> String {
             f.snr
         );
     }
-    format!("{name} is not called for (p = {}), though a plausible amount would show.", p_value(f.p_value))
+    let cautious = match f.p_estimated {
+        Some(p) if p < UNLIKELY && f.p_value >= UNLIKELY => {
+            format!("; {} if the noise is as correlated as these records allow", p_value(f.p_value))
+        }
+        _ => String::new(),
+    };
+    format!(
+        "{name} is not called for (p = {}{cautious}), though a plausible amount would show.",
+        p_value(f.p_shown())
+    )
 }
 
 fn alike(names: &[String]) -> String {

@@ -288,3 +288,27 @@ fn an_effect_pays_in_bic_in_excess_and_on_what_was_held_out() {
     close(w[0], 2.0 / 3.0);
     close(w[1], 1.0 / 3.0);
 }
+
+/// Another screen's p-values go by name, whatever their order; what decides stays.
+#[test]
+fn p_values_of_the_noise_as_estimated_stand_beside() {
+    let one = Candidate::simple("one", Side::Positive, 7.0, along(&[(0, 2.0)]));
+    let other = Candidate::simple("other", Side::Both, 1.0, along(&[(1, 1.0)]));
+    let mut cautious = screened(&[one.clone(), other.clone()]);
+    let was = cautious.clone();
+    assert_eq!(was.findings[0].effect, "other");
+    assert!(was.findings.iter().all(|f| f.p_estimated.is_none() && f.p_shown() == f.p_value));
+    // Half the noise along axis 0.
+    let base = DMatrix::from_columns(&[along(&[(7, 5.0)])]);
+    let louder = score(&along(&[(0, 6.0), (1, 4.0)]), &base, &[one], &Policy::default()).unwrap();
+    cautious.beside(&louder);
+    let [f, g] = ["one", "other"].map(|name| cautious.finding(name).unwrap());
+    close(f.p_estimated.unwrap(), normal_sf(6.0));
+    close(f.p_shown(), normal_sf(6.0));
+    close(f.p_value, normal_sf(3.0));
+    assert_eq!((g.p_estimated, g.p_shown()), (None, g.p_value));
+    assert_eq!(
+        cautious.findings.iter().map(|f| (f.q_value, f.significant)).collect::<Vec<_>>(),
+        was.findings.iter().map(|f| (f.q_value, f.significant)).collect::<Vec<_>>()
+    );
+}

@@ -17,6 +17,7 @@ fn finding() -> Finding {
         fall: 50.0,
         expected_fall: 0.25,
         p_value: 2e-9,
+        p_estimated: None,
         p_bonferroni: 2e-9,
         q_value: 1e-8,
         visibility: 0.5,
@@ -60,7 +61,20 @@ fn a_finding_is_one_of_five_sentences() {
         assert!(say(&f).ends_with(&format!("with g ≈ {said}.")), "{}", say(&f));
     }
     assert!(say(&Finding { p_value: 1e-3, ..faint.clone() }).contains("(p = 0.001)"));
-    assert!(say(&Finding { p_value: 9e-4, ..faint }).contains("(p = 9e-4)"));
+    assert!(say(&Finding { p_value: 9e-4, ..faint.clone() }).contains("(p = 9e-4)"));
+    // The noise as estimated is what is said; where it alone would call the effect, so is a sceptic's.
+    let both = |p_estimated: f64, p_value: f64| {
+        say(&Finding { p_estimated: Some(p_estimated), p_value, ..faint.clone() })
+    };
+    assert_eq!(
+        both(0.0421, 0.05),
+        "drift is not called for (p = 0.042; 0.050 if the noise is as correlated as these records allow), though a \
+         plausible amount would show."
+    );
+    assert!(both(0.05, 0.2).contains("(p = 0.050), though"), "{}", both(0.05, 0.2));
+    assert!(both(0.01, 0.04).contains("(p = 0.010), though"), "{}", both(0.01, 0.04));
+    let sure = |set_aside: bool| Finding { p_estimated: Some(3e-12), set_aside, ..f.clone() };
+    assert!([true, false].iter().all(|&aside| say(&sure(aside)).contains("(p = 3e-12)")));
 }
 
 fn rung(effects: &[&str], chi2: f64) -> Rung {

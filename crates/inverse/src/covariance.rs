@@ -147,16 +147,15 @@ pub(crate) fn uncertainty_with(
         // The least known noise counts: how a parameter shares its spread among the records is not asked.
         half_width: half_width(data.blocks.iter().map(|b| b.noise.freedom).fold(f64::INFINITY, f64::min)),
     };
-    out.estimates =
-        (0..p)
-            .map(|k| {
-                if fit.at_bound[k] {
-                    out.bound_estimate(data, fit, &white, &open, k)
-                } else {
-                    out.estimate(k)
-                }
-            })
-            .collect();
+    out.estimates = (0..p)
+        .map(|k| {
+            if fit.at_bound[k] {
+                out.bound_estimate(data, fit, &white, &open, k)
+            } else {
+                out.estimate(k, [1.0; 2])
+            }
+        })
+        .collect();
     Ok(out)
 }
 
@@ -167,7 +166,8 @@ impl Uncertainty {
         DMatrix::from_fn(slope.len(), slope.len(), |i, j| self.covariance_z[(i, j)] * slope[i] * slope[j])
     }
 
-    fn estimate(&self, k: usize) -> Estimate {
+    pub(crate) fn estimate(&self, k: usize, arms: [f64; 2]) -> Estimate {
+        let [below, above] = arms.map(|arm| self.half_width * arm);
         let (f, value) = (&self.free[k], self.theta[k]);
         let sd_z = self.covariance_z[(k, k)].max(0.0).sqrt();
         let scaled_sd = sd_z / self.scales[k];
@@ -178,7 +178,7 @@ impl Uncertainty {
             path: f.path.clone(),
             value,
             std_error: (scaled_sd < 1e3).then_some(std_error),
-            interval_95: [f.backward(z - self.half_width * sd_z), f.backward(z + self.half_width * sd_z)],
+            interval_95: [f.backward(z - below * sd_z), f.backward(z + above * sd_z)],
             at_bound: false,
             identifiable: scaled_sd <= self.rule.max_sd && learned,
             scaled_sd,

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod arms;
 mod bend;
 mod covariance;
 mod data;
@@ -19,6 +20,7 @@ mod staged;
 mod step;
 mod whiten;
 
+pub use arms::Probe;
 pub use covariance::{Estimate, Identifiability, Uncertainty, uncertainty};
 pub use data::{Block, Data, DataError, NoiseModel};
 pub use fit::fit;

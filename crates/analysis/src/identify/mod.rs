@@ -1,11 +1,13 @@
 //! The paper's inverse analysis: bulk from the uniaxial tests, then the interface with the bulk
 //! held (`staged`), or all tests at once from there (`joint`).
 
+mod finish;
 mod intervals;
 mod search;
 mod work;
 
 pub(crate) use search::{StagePlan, stages};
+use work::SEARCH_TOLERANCE;
 pub use work::frees;
 pub(crate) use work::{TRIAL_BUDGET, Work};
 

@@ -1,15 +1,11 @@
-//! An identification in progress: one stage's search after the other, then what all data say.
+//! An identification in progress: one stage's search after the other.
 
-use super::{AnalysisError, Control, HistoryEntry, Identified, Progress, Stage};
+use super::{AnalysisError, Control, HistoryEntry, Progress, Stage};
 use crate::data::Measured;
 use crate::problem::FeProblem;
 use input::{Case, TestKind};
-use inverse::{
-    Fit, FitOptions, Free, Identifiability, Iterate, MultiStart, Objective, PredictError, Problem, quality,
-    uncertainty,
-};
+use inverse::{Fit, FitOptions, Free, Iterate, MultiStart, Objective};
 use model::{Channel, Model, RunOptions};
-use nalgebra::DVector;
 use std::ops::ControlFlow;
 
 /// The coarse mesh only brings the search near: a fall of half a percent is not worth a run, nor is a
@@ -23,20 +19,20 @@ const INSIGNIFICANT: f64 = 0.25;
 
 /// Newton tolerance of the search, if the file's is not coarser: it moves χ² by far less than a step
 /// does. The last run, which the answer is made from, takes the file's.
-const SEARCH_TOLERANCE: f64 = 1e-7;
+pub(super) const SEARCH_TOLERANCE: f64 = 1e-7;
 
 /// Newton iterations a trial run may take: about five times what a smooth tear needs.
 pub(crate) const TRIAL_BUDGET: usize = 2500;
 
 pub(crate) struct Work<'a> {
     pub theta: Vec<f64>,
-    history: Vec<HistoryEntry>,
+    pub(super) history: Vec<HistoryEntry>,
     pub(super) stopped: Vec<(Stage, String, bool)>,
-    runs: usize,
-    iterations: usize,
-    control: &'a Control<'a>,
+    pub(super) runs: usize,
+    pub(super) iterations: usize,
+    pub(super) control: &'a Control<'a>,
     pub case: &'a Case,
-    options: RunOptions,
+    pub(super) options: RunOptions,
     pub(super) held: Option<()>,
     /// Whether the literature's priors count.
     pub literature: bool,
@@ -200,97 +196,5 @@ impl<'a> Work<'a> {
             self.held = Some(());
         }
         Ok(fit.f)
-    }
-
-    /// All data at the end: quality, numerical error, intervals.
-    pub(super) fn finish(
-        mut self,
-        fine: Model,
-        coarse: Option<Model>,
-        measured: Measured,
-        list: &[(Stage, Vec<usize>, Vec<bool>)],
-    ) -> Result<Identified, AnalysisError> {
-        let free = fine.free();
-        let mut list_free = frees(&fine, &self.theta, &free);
-        crate::priors::add(&mut list_free, self.case, self.literature);
-        let prediction = {
-            let problem = FeProblem::new(
-                &fine,
-                self.theta.clone(),
-                free.clone(),
-                &measured.slots,
-                self.options,
-                self.control.cancelled,
-            );
-            let values: Vec<f64> = free.iter().map(|&i| self.theta[i]).collect();
-            self.runs += 1;
-            problem.predict(&values, true)?
-        };
-        let numerical_error = match &coarse {
-            None => DVector::zeros(prediction.values.len()),
-            Some(coarse) => {
-                let mut options = self.options;
-                options.tearing_steps = options.tearing_steps / 2 + 1;
-                options.uniaxial_steps = options.uniaxial_steps / 2 + 1;
-                let problem = FeProblem::new(
-                    coarse,
-                    self.theta.clone(),
-                    Vec::new(),
-                    &measured.slots,
-                    options,
-                    self.control.cancelled,
-                );
-                self.runs += 1;
-                match problem.predict(&[], false) {
-                    Ok(p) => &prediction.values - p.values,
-                    Err(PredictError::Interrupted) => return Err(PredictError::Interrupted.into()),
-                    Err(_) => DVector::zeros(prediction.values.len()),
-                }
-            }
-        };
-        let noisy = measured.clone();
-        let measured = measured.with_numerical_error(&numerical_error);
-        let last = list.last().map_or(Stage::Joint, |l| l.0);
-        let objective = if last == Stage::Joint { Objective::Record } else { Objective::PaperSum };
-        let at_bound = list_free.iter().zip(&free).map(|(f, &i)| f.at_bound(self.theta[i])).collect();
-        let fit = Fit {
-            theta: free.iter().map(|&i| self.theta[i]).collect(),
-            f: f64::NAN,
-            prediction,
-            at_bound,
-            objective,
-            iterations: self.iterations,
-            forward_runs: self.runs,
-            stop: inverse::StopReason::Converged,
-            history: Vec::new(),
-        };
-        let quality = quality(&measured.data, &list_free, &fit);
-        let rule = Identifiability::default();
-        let intervals = |of: &Measured| match (&self.held, last) {
-            (Some(_), Stage::Interface) => self.staged_intervals(&fine, of, &fit, &free, &rule),
-            _ => Ok(uncertainty(&of.data, &list_free, &fit, &rule)?),
-        };
-        let uncertainty = intervals(&measured)?;
-        let by_noise = intervals(&noisy)?;
-        let led = |k: &usize| uncertainty.covariance_z[(*k, *k)] > 2.0 * by_noise.covariance_z[(*k, *k)];
-        let led_by_mesh = (0..free.len()).filter(led).map(|k| list_free[k].path.clone()).collect();
-        Ok(Identified {
-            model: fine,
-            measured,
-            theta: self.theta,
-            free,
-            frees: list_free,
-            fit,
-            quality,
-            uncertainty,
-            led_by_mesh,
-            numerical_error,
-            iterations: self.iterations,
-            forward_runs: self.runs,
-            stopped: self.stopped,
-            history: self.history,
-            options: self.options,
-            starts: self.starts,
-        })
     }
 }

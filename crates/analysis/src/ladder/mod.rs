@@ -207,10 +207,15 @@ impl diagnose::Ladder for FeLadder<'_> {
         self.runs.fetch_add(1 + screened.secant_runs, Ordering::Relaxed);
         let mut prediction = screened.prediction;
         prediction.values += &f.correction;
-        let white = Whitened::new(&self.measured.data, &f.frees, &f.fit.theta, &prediction, Noise::Total);
         self.candidates = screened.candidates;
-        diagnose::screen(&white, &f.fit.at_bound, &self.candidates, self.measured.data.points(), &self.policy)
-            .map_err(|e| AnalysisError::Case(e.to_string()))
+        let judged = |data: &Data| {
+            let white = Whitened::new(data, &f.frees, &f.fit.theta, &prediction, Noise::Total);
+            diagnose::screen(&white, &f.fit.at_bound, &self.candidates, data.points(), &self.policy)
+                .map_err(|e| AnalysisError::Case(e.to_string()))
+        };
+        let mut screen = judged(&self.measured.data)?;
+        screen.beside(&judged(&self.measured.as_estimated(&f.model)?.data)?);
+        Ok(screen)
     }
 
     fn compatible(&self, effects: &[String]) -> bool {

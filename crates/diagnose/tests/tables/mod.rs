@@ -37,6 +37,7 @@ pub fn finding(effect: &str, fall: f64) -> Finding {
         fall,
         expected_fall: fall / POINTS,
         p_value: 1e-9,
+        p_estimated: None,
         p_bonferroni: 1e-9,
         q_value: 1e-8,
         visibility: 0.5,

@@ -1,0 +1,158 @@
+//! The end of an identification: what all data say at the values that were found.
+
+use super::search::StagePlan;
+use super::{AnalysisError, Identified, SEARCH_TOLERANCE, Stage, TRIAL_BUDGET, Work, frees};
+use crate::data::Measured;
+use crate::problem::FeProblem;
+use inverse::{
+    Fit, Free, Identifiability, Objective, PredictError, Prediction, Problem, StopReason, Uncertainty,
+    quality, uncertainty,
+};
+use model::{Model, RunOptions};
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+/// Combinations of parameters along which intervals ask their standard errors again: the least known two. Each costs two
+/// runs with derivatives.
+const ASKED: usize = 2;
+
+/// The models and data that an answer is made from.
+struct Answer<'m> {
+    fine: &'m Model,
+    coarse: Option<&'m Model>,
+    /// Data with the record's noise alone.
+    noisy: &'m Measured,
+    /// Indices of the free parameters.
+    free: Vec<usize>,
+    frees: Vec<Free>,
+    last: Stage,
+}
+
+impl Work<'_> {
+    /// All data at the end: quality, numerical error, intervals.
+    pub(super) fn finish(
+        mut self,
+        fine: Model,
+        coarse: Option<Model>,
+        noisy: Measured,
+        list: &[StagePlan],
+    ) -> Result<Identified, AnalysisError> {
+        let free = fine.free();
+        let mut list_free = frees(&fine, &self.theta, &free);
+        crate::priors::add(&mut list_free, self.case, self.literature);
+        let last = list.last().map_or(Stage::Joint, |l| l.0);
+        let answer =
+            Answer { fine: &fine, coarse: coarse.as_ref(), noisy: &noisy, free, frees: list_free, last };
+        let values: Vec<f64> = answer.free.iter().map(|&i| self.theta[i]).collect();
+        let (fit, numerical_error) = self.at(&answer, values, self.options)?;
+        let measured = noisy.clone().with_numerical_error(&numerical_error);
+        let by_noise = self.intervals(&answer, &noisy, &fit)?;
+        let straight = self.intervals(&answer, &measured, &fit)?;
+        let led = |k: &usize| straight.covariance_z[(*k, *k)] > 2.0 * by_noise.covariance_z[(*k, *k)];
+        let led_by_mesh = (0..answer.free.len()).filter(led).map(|k| answer.frees[k].path.clone()).collect();
+        let uncertainty = self.with_arms(&answer, straight)?;
+        self.runs += 1 + usize::from(coarse.is_some());
+        let Answer { free, frees, .. } = answer;
+        Ok(Identified {
+            quality: quality(&measured.data, &frees, &fit),
+            measured,
+            theta: self.theta,
+            free,
+            frees,
+            fit: Fit { forward_runs: self.runs, ..fit },
+            uncertainty,
+            led_by_mesh,
+            numerical_error,
+            iterations: self.iterations,
+            forward_runs: self.runs,
+            stopped: self.stopped,
+            history: self.history,
+            options: self.options,
+            starts: self.starts,
+            model: fine,
+        })
+    }
+
+    /// What the model says at these values of the free parameters, and how much less the coarse mesh does. Where that
+    /// gives no answer, as without one, nothing is known of the error.
+    fn at(
+        &self,
+        answer: &Answer,
+        values: Vec<f64>,
+        mut options: RunOptions,
+    ) -> Result<(Fit, DVector<f64>), PredictError> {
+        let mut theta = self.theta.clone();
+        for (&i, &v) in answer.free.iter().zip(&values) {
+            theta[i] = v;
+        }
+        let (slots, cancelled) = (&answer.noisy.slots, self.control.cancelled);
+        let free = answer.free.clone();
+        let prediction = FeProblem::new(answer.fine, theta.clone(), free, slots, options, cancelled)
+            .predict(&values, true)?;
+        options.tearing_steps = options.tearing_steps / 2 + 1;
+        options.uniaxial_steps = options.uniaxial_steps / 2 + 1;
+        let coarse = answer.coarse.map(|coarse| {
+            FeProblem::new(coarse, theta, Vec::new(), slots, options, cancelled).predict(&[], false)
+        });
+        let error = match coarse {
+            Some(Ok(p)) => &prediction.values - p.values,
+            Some(Err(PredictError::Interrupted)) => return Err(PredictError::Interrupted),
+            Some(Err(_)) | None => DVector::zeros(prediction.values.len()),
+        };
+        Ok((self.fit_of(answer, values, prediction), error))
+    }
+
+    fn fit_of(&self, answer: &Answer, theta: Vec<f64>, prediction: Prediction) -> Fit {
+        let objective = if answer.last == Stage::Joint { Objective::Record } else { Objective::PaperSum };
+        Fit {
+            at_bound: answer.frees.iter().zip(&theta).map(|(f, &v)| f.at_bound(v)).collect(),
+            theta,
+            f: f64::NAN,
+            prediction,
+            objective,
+            iterations: self.iterations,
+            forward_runs: self.runs,
+            stop: StopReason::Converged,
+            history: Vec::new(),
+        }
+    }
+
+    fn intervals(
+        &self,
+        answer: &Answer,
+        measured: &Measured,
+        fit: &Fit,
+    ) -> Result<Uncertainty, AnalysisError> {
+        let rule = Identifiability::default();
+        match (&self.held, answer.last) {
+            (Some(_), Stage::Interface) => {
+                self.staged_intervals(answer.fine, measured, fit, &answer.free, &rule)
+            }
+            _ => Ok(uncertainty(&measured.data, &answer.frees, fit, &rule)?),
+        }
+    }
+
+    /// Intervals whose arms know how the standard errors change along the least known combinations: derivatives and
+    /// numerical error at the ends of these are others than at the answer.
+    fn with_arms(&mut self, answer: &Answer, straight: Uncertainty) -> Result<Uncertainty, AnalysisError> {
+        let probes = straight.probes(ASKED);
+        let this = &*self;
+        let mut options = self.options;
+        options.march.budget = TRIAL_BUDGET;
+        options.march.newton.tolerance = options.march.newton.tolerance.max(SEARCH_TOLERANCE);
+        let asked = |probe: &inverse::Probe| -> Result<Option<Uncertainty>, AnalysisError> {
+            match this.at(answer, probe.theta.clone(), options) {
+                Ok((fit, error)) => {
+                    let measured = answer.noisy.clone().with_numerical_error(&error);
+                    this.intervals(answer, &measured, &fit).map(Some)
+                }
+                Err(e @ PredictError::Interrupted) => Err(e.into()),
+                // A place that the model cannot be computed at says nothing.
+                Err(_) => Ok(None),
+            }
+        };
+        let there: Vec<Option<Uncertainty>> = probes.par_iter().map(asked).collect::<Result<_, _>>()?;
+        self.runs += probes.len() * (1 + usize::from(answer.coarse.is_some()));
+        Ok(straight.with_arms(&probes, &there))
+    }
+}
