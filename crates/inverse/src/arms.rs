@@ -10,8 +10,8 @@ use crate::Uncertainty;
 use crate::half_width::Z95;
 use nalgebra::{DMatrix, DVector};
 
-/// No probe is farther than this many natural scales along its combination, in standard deviations of 95 %: what the data
-/// do not fix has no end to go to.
+/// No combination is followed beyond the 95 % of this standard deviation, in natural scales: what the data do not fix has
+/// no end to go to.
 const FARTHEST_SD: f64 = 0.5;
 
 /// An arm is at most so much longer, as a share of its length: the change is linear in two points.
@@ -35,6 +35,9 @@ impl Uncertainty {
             .collect();
         let scaled = |i: usize, j: usize| self.covariance_z[(i, j)] / (self.scales[i] * self.scales[j]);
         let own = DMatrix::from_fn(known.len(), known.len(), |a, b| scaled(known[a], known[b]));
+        if known.is_empty() || own.iter().any(|v| !v.is_finite()) {
+            return Vec::new();
+        }
         let eigen = own.symmetric_eigen();
         let mut order: Vec<usize> =
             (0..known.len()).filter(|&k| eigen.eigenvalues[k] > f64::MIN_POSITIVE).collect();

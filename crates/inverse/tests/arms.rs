@@ -10,22 +10,17 @@ use nalgebra::DVector;
 use params::Transform;
 use toys::{Toy, data, quiet, truth};
 
-fn said<F: Fn(usize, &[f64]) -> (f64, Vec<f64>) + Sync>(
-    toy: &Toy<F>,
-    d: &Data,
-    free: &[Free],
-) -> Uncertainty {
+/// Value and derivatives of a point.
+trait Rows: Fn(usize, &[f64]) -> (f64, Vec<f64>) + Sync {}
+impl<F: Fn(usize, &[f64]) -> (f64, Vec<f64>) + Sync> Rows for F {}
+
+fn said<F: Rows>(toy: &Toy<F>, d: &Data, free: &[Free]) -> Uncertainty {
     let end = quiet(toy, d, free, &exactly(Objective::Whitened));
     uncertainty(d, free, &end, &Identifiability::default()).unwrap()
 }
 
 /// What the same data say with the optimum at other values.
-fn there<F: Fn(usize, &[f64]) -> (f64, Vec<f64>) + Sync>(
-    toy: &Toy<F>,
-    d: &Data,
-    free: &[Free],
-    theta: &[f64],
-) -> Uncertainty {
+fn there<F: Rows>(toy: &Toy<F>, d: &Data, free: &[Free], theta: &[f64]) -> Uncertainty {
     let end = quiet(toy, d, free, &exactly(Objective::Whitened));
     let prediction = toy.predict(theta, true).unwrap();
     let at_bound = free.iter().zip(theta).map(|(f, &v)| f.at_bound(v)).collect();
@@ -33,11 +28,7 @@ fn there<F: Fn(usize, &[f64]) -> (f64, Vec<f64>) + Sync>(
     uncertainty(d, free, &moved, &Identifiability::default()).unwrap()
 }
 
-fn asked<F: Fn(usize, &[f64]) -> (f64, Vec<f64>) + Sync>(
-    toy: &Toy<F>,
-    d: &Data,
-    free: &[Free],
-) -> Uncertainty {
+fn asked<F: Rows>(toy: &Toy<F>, d: &Data, free: &[Free]) -> Uncertainty {
     let u = said(toy, d, free);
     let probes = u.probes(2);
     let all: Vec<_> = probes.iter().map(|p| Some(there(toy, d, free, &p.theta))).collect();
@@ -60,10 +51,13 @@ fn a_line_is_asked_at_the_ends_of_its_intervals_and_keeps_them() {
     assert_eq!(asked(&toy, &d, &free).estimates, u.estimates);
     let probes = u.probes(2);
     assert_eq!(u.clone().with_arms(&probes, &vec![None; 4]).estimates, u.estimates);
+    // Nothing is fixed: there is nothing to ask.
+    let loud = data(&truth(&toy, &[1.0, 2.0]), NoiseModel::white(500.0));
+    assert!(said(&toy, &loud, &free).probes(2).is_empty());
 }
 
 /// y = b − c b²/2, four times: the standard error is σ/2/(1 − c b).
-fn bent(c: f64) -> Toy<impl Fn(usize, &[f64]) -> (f64, Vec<f64>)> {
+fn bent(c: f64) -> Toy<impl Rows> {
     Toy(4, move |_, p: &[f64]| (p[0] - 0.5 * c * p[0] * p[0], vec![1.0 - c * p[0]]))
 }
 

@@ -44,7 +44,8 @@ impl Work<'_> {
         let answer =
             Answer { fine: &fine, coarse: coarse.as_ref(), noisy: &noisy, free, frees: list_free, last };
         let values: Vec<f64> = answer.free.iter().map(|&i| self.theta[i]).collect();
-        let (fit, numerical_error) = self.at(&answer, values, self.options)?;
+        let (fit, error) = self.at(&answer, values, self.options)?;
+        let numerical_error = error.unwrap_or_else(|| DVector::zeros(noisy.data.points()));
         let measured = noisy.clone().with_numerical_error(&numerical_error);
         let by_noise = self.intervals(&answer, &noisy, &fit)?;
         let straight = self.intervals(&answer, &measured, &fit)?;
@@ -73,14 +74,14 @@ impl Work<'_> {
         })
     }
 
-    /// What the model says at these values of the free parameters, and how much less the coarse mesh does. Where that
-    /// gives no answer, as without one, nothing is known of the error.
+    /// What the model says at these values of the free parameters, and how much less the coarse mesh does: nothing without
+    /// one, `None` where it gives no answer.
     fn at(
         &self,
         answer: &Answer,
         values: Vec<f64>,
         mut options: RunOptions,
-    ) -> Result<(Fit, DVector<f64>), PredictError> {
+    ) -> Result<(Fit, Option<DVector<f64>>), PredictError> {
         let mut theta = self.theta.clone();
         for (&i, &v) in answer.free.iter().zip(&values) {
             theta[i] = v;
@@ -95,9 +96,10 @@ impl Work<'_> {
             FeProblem::new(coarse, theta, Vec::new(), slots, options, cancelled).predict(&[], false)
         });
         let error = match coarse {
-            Some(Ok(p)) => &prediction.values - p.values,
+            Some(Ok(p)) => Some(&prediction.values - p.values),
             Some(Err(PredictError::Interrupted)) => return Err(PredictError::Interrupted),
-            Some(Err(_)) | None => DVector::zeros(prediction.values.len()),
+            Some(Err(_)) => None,
+            None => Some(DVector::zeros(prediction.values.len())),
         };
         Ok((self.fit_of(answer, values, prediction), error))
     }
@@ -142,13 +144,13 @@ impl Work<'_> {
         options.march.newton.tolerance = options.march.newton.tolerance.max(SEARCH_TOLERANCE);
         let asked = |probe: &inverse::Probe| -> Result<Option<Uncertainty>, AnalysisError> {
             match this.at(answer, probe.theta.clone(), options) {
-                Ok((fit, error)) => {
+                Ok((fit, Some(error))) => {
                     let measured = answer.noisy.clone().with_numerical_error(&error);
                     this.intervals(answer, &measured, &fit).map(Some)
                 }
                 Err(e @ PredictError::Interrupted) => Err(e.into()),
-                // A place that the model cannot be computed at says nothing.
-                Err(_) => Ok(None),
+                // A place that a mesh gives no answer at says nothing.
+                Ok((_, None)) | Err(_) => Ok(None),
             }
         };
         let there: Vec<Option<Uncertainty>> = probes.par_iter().map(asked).collect::<Result<_, _>>()?;
