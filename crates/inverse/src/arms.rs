@@ -76,10 +76,10 @@ impl Uncertainty {
     /// probe's combination; estimates and standard errors stay.
     pub fn with_arms(mut self, probes: &[Probe], there: &[Option<Uncertainty>]) -> Self {
         for k in 0..self.estimates.len() {
-            let here = self.covariance_z[(k, k)].max(0.0).sqrt();
-            if self.estimates[k].at_bound || here == 0.0 {
+            if self.estimates[k].at_bound {
                 continue;
             }
+            let here = self.covariance_z[(k, k)].max(f64::MIN_POSITIVE).sqrt();
             // Half of each pair's difference is the change towards one end, half of that the mean along the arm.
             let tilt: f64 = probes
                 .iter()

@@ -90,6 +90,34 @@ fn an_arm_takes_the_mean_error_along_it_and_none_gets_shorter() {
     };
     assert!((only(0.999)[1] - 2.0 * Z95 * 0.25).abs() < 1e-6 && (only(0.999)[0] + Z95 * 0.25).abs() < 1e-6);
     assert_eq!(only(4.0), u.estimates[0].interval_95);
+    // One end alone says half of what both would: twice the error there, a quarter of the arm.
+    assert!((only(0.5)[1] - 1.25 * Z95 * 0.25).abs() < 1e-6 && (only(0.5)[0] + Z95 * 0.25).abs() < 1e-6);
+}
+
+/// y = a and y = 2 (a + b): sd of a is σ, of b √1.25 σ, their correlation −1/√1.25. A parameter takes part as far as it leans.
+#[test]
+fn arms_share_what_a_combination_says() {
+    let pair = |i: usize, p: &[f64]| {
+        if i == 0 { (p[0], vec![1.0, 0.0]) } else { (2.0 * (p[0] + p[1]), vec![2.0, 2.0]) }
+    };
+    let (toy, free) = (Toy(2, pair), free(10.0));
+    let d = data(&DVector::from_vec(vec![0.0, 0.0]), NoiseModel::white(0.5));
+    let u = said(&toy, &d, &free);
+    let probes = u.probes(1);
+    // At the end where b is large every error is twice as large, at the other end the same.
+    let loud = said(&toy, &data(&DVector::from_vec(vec![0.0, 0.0]), NoiseModel::white(1.0)), &free);
+    let all: Vec<_> =
+        probes.iter().map(|p| Some(if p.theta[1] > 0.0 { loud.clone() } else { u.clone() })).collect();
+    let e = u.clone().with_arms(&probes, &all).estimates;
+    // The larger eigenvalue of [[1, −1], [−1, 1.25]], and how far a and b lean to its vector.
+    let l = 1.125 + (0.125f64.powi(2) + 1.0).sqrt();
+    let v = DVector::from_vec(vec![1.0, 1.0 - l]).normalize();
+    let lean = [v[0].abs() * l.sqrt(), v[1].abs() * l.sqrt() / 1.25f64.sqrt()];
+    for (k, longer) in [(0, 0), (1, 1)] {
+        let sd = e[k].std_error.unwrap();
+        close(e[k].interval_95[longer].abs(), (1.0 + 0.25 * lean[k]) * Z95 * sd);
+        close(e[k].interval_95[1 - longer].abs(), Z95 * sd);
+    }
 }
 
 /// A parameter that the data do not fix is no axis; it follows the others as they are correlated.

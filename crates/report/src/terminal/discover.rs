@@ -49,6 +49,7 @@ pub fn discover(answer: &Value, style: Style) -> String {
         let _ = writeln!(out, "\n{}\n{}", style.bold("Ladder"), ladder(rows(answer, "ladder")));
     }
     let _ = writeln!(out, "\n{}\n{}", style.bold("Screen of the catalogue"), screen(answer));
+    let _ = writeln!(out, "{}", wrap(MARKS, usize::from(WIDTH), 0));
     places(answer, style, &mut out);
     if let Some(next) = answer.get("next_test").filter(|n| !n.is_null()) {
         let rivals = list(next, "separates").join(", ");
@@ -59,6 +60,10 @@ pub fn discover(answer: &Value, style: Style) -> String {
     }
     out
 }
+
+/// What the marks of a screen mean.
+const MARKS: &str = "p: the chance of so much without the effect, with the noise as estimated. ●: called for, decided with noise as \
+                     correlated as these records allow.";
 
 fn ladder(rungs: &[Value]) -> String {
     let most = rungs.iter().filter_map(|r| number(r, "rms_N")).fold(f64::MIN_POSITIVE, f64::max);
