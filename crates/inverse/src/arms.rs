@@ -20,7 +20,7 @@ const LONGEST: f64 = 1.0;
 /// A place where the standard errors are asked again.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
-    /// Values there, physical units, one per free parameter.
+    /// Values there, one per free parameter, physical units, within the bounds.
     pub theta: Vec<f64>,
     /// Correlation of each parameter with the combination, times the side.
     lean: Vec<f64>,
@@ -73,7 +73,8 @@ impl Uncertainty {
 
     /// The same with arms that know how the standard errors change towards the probes: `there` is what the same data say
     /// with the optimum at each probe, `None` where there is no answer. A parameter takes part as far as it leans to a
-    /// probe's combination; estimates and standard errors stay.
+    /// probe's combination; estimates and standard errors stay. `there` has one answer per probe, in their order and over the
+    /// same free parameters; both come from [`Uncertainty::probes`] of this uncertainty.
     pub fn with_arms(mut self, probes: &[Probe], there: &[Option<Uncertainty>]) -> Self {
         for k in 0..self.estimates.len() {
             if self.estimates[k].at_bound {
