@@ -1,6 +1,7 @@
 //! Steps along the equilibrium path, one after the other.
 
 use super::measure::Measure;
+use crate::energy;
 use crate::equilibrium::{Border, Control, take_up, train_elongation};
 use crate::error::FemError;
 use crate::march::{Along, March, fresh_commit};
@@ -24,9 +25,21 @@ fn rates(m: &March, border: &Border, state: &State) -> [f64; 2] {
     [du_a, dw]
 }
 
+/// Share of the work that a step back must leave in the tear, or it is elastic unloading.
+const GROWS: f64 = 1e-6;
+
+/// A path followed for its own sake.
+#[derive(Clone, Copy)]
+struct Following {
+    /// Sense in which the actuator was told to go.
+    direction: f64,
+    /// Longest step in actuator displacement, mm.
+    step: f64,
+}
+
 /// A path in progress.
 pub(super) struct Walk {
-    measure: Measure,
+    pub(super) measure: Measure,
     pub(super) tangent: [f64; 2],
     pub(super) length: f64,
     pub(super) smallest: f64,
@@ -34,6 +47,7 @@ pub(super) struct Walk {
     rate: f64,
     /// Previous state, its grip and actuator, and the arc between it and the present one.
     before: Option<(Guess, f64, f64, f64)>,
+    following: Option<Following>,
 }
 
 impl Walk {
@@ -67,7 +81,34 @@ impl Walk {
         if length <= 0.0 || !t[0].is_finite() {
             return Err(FemError::Singular);
         }
-        Ok(Self { measure, tangent: t, length, smallest: length * 1e-4, largest: length, rate, before: None })
+        let (smallest, largest) = (length * 1e-4, length);
+        Ok(Self { measure, tangent: t, length, smallest, largest, rate, before: None, following: None })
+    }
+
+    /// Every step is an answer: none longer than `step` mm of actuator displacement, none back along the way come.
+    pub(super) fn following(mut self, direction: f64, step: f64) -> Self {
+        self.following = Some(Following { direction, step });
+        (self.smallest, self.largest) = (1e-4 * step.min(self.length), step);
+        self
+    }
+
+    /// Refuses a step that goes back although nothing tears: the way just come.
+    fn refuse_return(&self, m: &March, fresh: &State, dt: f64) -> Result<(), FemError> {
+        let Some(Following { direction, .. }) = self.following else { return Ok(()) };
+        let moved = fresh.actuator - m.state.actuator;
+        if moved * direction >= 0.0 {
+            return Ok(());
+        }
+        let lost = |s: &State| energy::of_path(m.problem, &m.local, &m.context(dt), &m.state.history, s);
+        let work = 0.5 * (m.state.force + fresh.force) * moved;
+        if lost(fresh).dissipated - lost(&m.state).dissipated > GROWS * work.abs() {
+            return Ok(());
+        }
+        Err(FemError::NoConvergence {
+            displacement: m.state.actuator,
+            step: self.length,
+            reason: "the path leads back the way it came".into(),
+        })
     }
 
     /// The opening measured from a state on, and the tangent by it; `next` is that by the present one.
@@ -98,6 +139,7 @@ impl Walk {
             }
             let dt = self.length / self.rate;
             let attempt = m.newton(m.context(dt), control, &mut fresh).and_then(|mut c| {
+                self.refuse_return(m, &fresh, dt)?;
                 let border = c.border(m.system, m.problem.multiplicity)?;
                 let next = self.measure.tangent(rates(m, &border, &fresh));
                 let next = self.measure.onward(next, self.tangent, self.length <= self.smallest)?;
@@ -116,6 +158,7 @@ impl Walk {
                     if c.iterations <= 4 {
                         self.length = (1.5 * self.length).min(self.largest);
                     }
+                    self.keep_short();
                     return Ok(());
                 }
                 Err(e @ FemError::Setup(_)) => return Err(e),
@@ -127,6 +170,15 @@ impl Walk {
                     }
                 }
             }
+        }
+    }
+
+    /// A followed path shows its shape: the next step moves the actuator no further than asked for.
+    fn keep_short(&mut self) {
+        if let (Some(following), Measure::Softening) = (self.following, self.measure) {
+            let most = following.step / self.tangent[0].abs().max(1.0);
+            self.length = self.length.min(most);
+            self.smallest = self.smallest.min(1e-4 * most);
         }
     }
 }
