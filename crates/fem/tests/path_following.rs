@@ -33,7 +33,17 @@ fn explore() {
     let cases = text.lines().map(|l| {
         let w: Vec<&str> = l.split_whitespace().collect();
         let f = |i: usize| -> f64 { w[i].parse().unwrap() };
-        (w[0].to_owned(), Case { length: f(1), divisions: [f(2) as usize, f(3) as usize, 2], sigma_c: f(4), gc: f(5), to: f(6), step: f(7) })
+        (
+            w[0].to_owned(),
+            Case {
+                length: f(1),
+                divisions: [f(2) as usize, f(3) as usize, 2],
+                sigma_c: f(4),
+                gc: f(5),
+                to: f(6),
+                step: f(7),
+            },
+        )
     });
     for (name, case) in cases {
         if !only.is_empty() && !only.split(',').any(|o| o == name) {
@@ -59,8 +69,26 @@ fn explore() {
             run.failure
         );
         if std::env::var_os("V").is_some() {
-            for s in run.steps.iter().rev().take(30).rev() {
-                println!("   {:.5} {:.6} slope {:.3e} it {} neg {} D {:.6}", s.actuator, s.force, s.slope, s.iterations, s.negative_pivots, s.ledger.cohesive_dissipated);
+            for w in run.steps.windows(2) {
+                let (a, s) = (&w[0], &w[1]);
+                let g = s.ledger.gap() - a.ledger.gap();
+                if g.abs() > 1e-5 * last.ledger.external_work {
+                    println!(
+                        "   {:.5} -> {:.5} F {:.6} -> {:.6} slope {:.3e} -> {:.3e} it {} neg {} -> {} D {:.6} -> {:.6} gap {:.2e}",
+                        a.actuator,
+                        s.actuator,
+                        a.force,
+                        s.force,
+                        a.slope,
+                        s.slope,
+                        s.iterations,
+                        a.negative_pivots,
+                        s.negative_pivots,
+                        a.ledger.cohesive_dissipated,
+                        s.ledger.cohesive_dissipated,
+                        g
+                    );
+                }
             }
         }
     }

@@ -50,7 +50,8 @@ pub use config::{
 };
 pub use diagnostics::{Diagnostic, Diagnostics, Excerpt, Severity};
 pub use keys::{Fallback, Key, Kind, Limits, keys};
-pub use read::read_case;
+pub use read::{LARGEST_TOML, read_case};
 pub use registry::{EffectRegistry, NoEffects, OptionKind, OptionSpec};
 pub use schema::json_schema;
+pub use text::read_text;
 pub use write::{resolved_toml, resolved_toml_with};

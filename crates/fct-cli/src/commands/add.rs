@@ -24,10 +24,14 @@ pub struct Arguments {
 /// Files of a run that can hold a screen: `diagnose` and `discover` write the first, `discover` the second too.
 const SCREENED: [&str; 2] = ["diagnosis.json", "summary.json"];
 
+/// Largest answer that is looked into, bytes.
+const LARGEST_ANSWER: u64 = 100_000_000;
+
 /// What the screen of a run found out about an effect: start values and the reason.
 fn finding(run: &Path, effect: &str) -> Option<Value> {
     SCREENED.iter().find_map(|file| {
-        let answer: Value = serde_json::from_str(&std::fs::read_to_string(run.join(file)).ok()?).ok()?;
+        let text = input::read_text(&run.join(file), LARGEST_ANSWER, "an answer of a run").ok()?;
+        let answer: Value = serde_json::from_str(&text).ok()?;
         answer["screen"].as_array()?.iter().find(|f| f["effect"] == effect).cloned()
     })
 }

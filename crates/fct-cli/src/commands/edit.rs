@@ -2,7 +2,7 @@
 
 use crate::outcome::Failure;
 use crate::session::Session;
-use ::report::{ReportError, write_atomic};
+use ::report::write_atomic;
 use input::edit::{self, EditError};
 use std::path::{Path, PathBuf};
 
@@ -19,12 +19,13 @@ pub struct Source {
 /// Reads a config, or the input of a run.
 ///
 /// # Errors
-/// If there is no such file.
+/// If there is no such file, or it is none that can be a config.
 pub fn source(path: &Path) -> Result<Source, Failure> {
     let run = path.is_dir().then(|| path.to_owned());
     let file = if run.is_some() { path.join("run.toml") } else { path.to_owned() };
-    let text = std::fs::read_to_string(&file).map_err(ReportError::io(&file, "read")).map_err(Failure::from);
-    let text = text.map_err(|e| Failure { code: 2, ..e })?;
+    let what =
+        if run.is_some() { "the `run.toml` of a run directory" } else { "a config or specimen file (TOML)" };
+    let text = input::read_text(&file, input::LARGEST_TOML, what)?;
     Ok(Source { file, run, text })
 }
 

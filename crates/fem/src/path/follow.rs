@@ -13,6 +13,10 @@ use crate::march::{March, fresh_commit};
 /// Steps before a path is given up.
 const MOST_STEPS: usize = 20_000;
 
+/// Largest change of the ledger's gap in a step, as a share of the largest work so far: more means that the step went past
+/// a turn of the path.
+const CLOSES: f64 = 3e-5;
+
 /// Follows the path until the actuator first reaches `to`, every step reported, then stands exactly there.
 pub(crate) fn follow(m: &mut March, to: f64, dt: f64, target: usize) -> Result<(), FemError> {
     let start = m.state.actuator;
@@ -28,7 +32,7 @@ pub(crate) fn follow(m: &mut March, to: f64, dt: f64, target: usize) -> Result<(
             super::measure_by_arc(m);
             return Ok(());
         }
-        match walk.step(m, None) {
+        match closing_step(m, &mut walk) {
             Ok(()) => {}
             Err(e @ FemError::Setup(_)) => return Err(e),
             Err(e) => walk = changed(m, &walk, direction, rate).map_err(|_| e)?,
@@ -71,6 +75,29 @@ fn arrived(
     }
 }
 
+/// A step over which the work is what became of it, where energies are added up: a longer one is taken back and halved.
+fn closing_step(m: &mut March, walk: &mut Walk) -> Result<(), FemError> {
+    loop {
+        let (mark, before, opening) = (m.mark(), walk.clone(), m.system.opening.clone());
+        walk.step(m, None)?;
+        let taken = walk.taken();
+        if closes(m) || taken <= before.smallest {
+            return Ok(());
+        }
+        m.back_to(mark);
+        m.system.opening = opening;
+        *walk = before;
+        walk.length = 0.5 * taken;
+    }
+}
+
+/// Whether the ledger closes over the last step as well as before it.
+fn closes(m: &March) -> bool {
+    let [.., before, last] = m.run.steps.as_slice() else { return true };
+    let most = m.run.steps.iter().fold(0.0f64, |most, s| most.max(s.ledger.external_work.abs()));
+    (last.ledger.gap() - before.ledger.gap()).abs() <= CLOSES * most
+}
+
 /// The walk from the last state by the other measure, one step on.
 fn changed(m: &mut March, walk: &Walk, direction: f64, rate: f64) -> Result<Walk, FemError> {
     let step = m.options.arc_step;
@@ -81,6 +108,6 @@ fn changed(m: &mut March, walk: &Walk, direction: f64, rate: f64) -> Result<Walk
     super::measure_by_arc(m);
     let sense = if other == Measure::Arc { walk.tangent[0] } else { direction };
     let mut next = Walk::start(m, other, sense, step, rate)?.following(direction, step);
-    next.step(m, None)?;
+    closing_step(m, &mut next)?;
     Ok(next)
 }

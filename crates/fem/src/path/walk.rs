@@ -28,6 +28,12 @@ fn rates(m: &March, border: &Border, state: &State) -> [f64; 2] {
 /// Share of the work that a step back must leave in the tear, or it is elastic unloading.
 const GROWS: f64 = 1e-6;
 
+/// How many times further than the longest step the actuator may go in one.
+const TOO_FAR: f64 = 1.5;
+
+/// Cuts of a followed path's step after which Newton gets more iterations instead of shorter steps alone.
+const PATIENT: usize = 3;
+
 /// A path followed for its own sake.
 #[derive(Clone, Copy)]
 struct Following {
@@ -38,6 +44,7 @@ struct Following {
 }
 
 /// A path in progress.
+#[derive(Clone)]
 pub(super) struct Walk {
     pub(super) measure: Measure,
     pub(super) tangent: [f64; 2],
@@ -92,10 +99,24 @@ impl Walk {
         self
     }
 
-    /// Refuses a step that goes back although nothing tears: the way just come.
+    /// Arc of the last step.
+    pub(super) fn taken(&self) -> f64 {
+        self.before.as_ref().map_or(self.length, |b| b.3)
+    }
+
+    /// Refuses a step that goes back although nothing tears (the way just come), or further than asked for (onto another
+    /// branch).
     fn refuse_return(&self, m: &March, fresh: &State, dt: f64) -> Result<(), FemError> {
-        let Some(Following { direction, .. }) = self.following else { return Ok(()) };
+        let Some(Following { direction, step }) = self.following else { return Ok(()) };
         let moved = fresh.actuator - m.state.actuator;
+        let refused = |reason: &str| FemError::NoConvergence {
+            displacement: m.state.actuator,
+            step: self.length,
+            reason: reason.into(),
+        };
+        if moved.abs() > TOO_FAR * step && self.length > self.smallest {
+            return Err(refused("a step along the path went too far"));
+        }
         if moved * direction >= 0.0 {
             return Ok(());
         }
@@ -104,11 +125,7 @@ impl Walk {
         if lost(fresh).dissipated - lost(&m.state).dissipated > GROWS * work.abs() {
             return Ok(());
         }
-        Err(FemError::NoConvergence {
-            displacement: m.state.actuator,
-            step: self.length,
-            reason: "the path leads back the way it came".into(),
-        })
+        Err(refused("the path leads back the way it came"))
     }
 
     /// The opening measured from a state on, and the tangent by it; `next` is that by the present one.
@@ -124,6 +141,7 @@ impl Walk {
 
     /// One accepted step along the path.
     pub(super) fn step(&mut self, m: &mut March, target: Option<usize>) -> Result<(), FemError> {
+        let mut cuts = 0;
         loop {
             let w = m.opening(&m.state.u);
             let held = self.measure.held(self.tangent);
@@ -159,6 +177,7 @@ impl Walk {
                         self.length = (1.5 * self.length).min(self.largest);
                     }
                     self.keep_short();
+                    m.stubborn = false;
                     return Ok(());
                 }
                 Err(e @ FemError::Setup(_)) => return Err(e),
@@ -166,8 +185,11 @@ impl Walk {
                     self.length *= 0.5;
                     self.before = None;
                     if self.length < self.smallest {
+                        m.stubborn = false;
                         return Err(e);
                     }
+                    cuts += 1;
+                    m.stubborn = self.following.is_some() && cuts > PATIENT;
                 }
             }
         }

@@ -91,7 +91,8 @@ fn value(context: Context<'_>, rule: &Rule<'_>, item: &Item<'_>) -> Value {
     let title = format!("`{}`", short(rule.written));
     let (keys, mut out) = (keys(), Value::default());
     let speller = Speller::new(&title, &keys);
-    let bounds = Limits { above: false, below: false, ..rule.limits };
+    // A bound of 0 is none to a value that is positive.
+    let bounds = Limits { lower: rule.limits.lower.min(0.0), above: false, below: false, ..rule.limits };
     for (key, item) in table {
         let written = key.get_ref().as_ref();
         let number = |limits: &Limits| {
