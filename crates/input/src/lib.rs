@@ -36,6 +36,7 @@ mod csv;
 mod diagnostics;
 pub mod edit;
 mod keys;
+mod locate;
 mod read;
 mod registry;
 mod schema;
@@ -50,6 +51,7 @@ pub use config::{
 };
 pub use diagnostics::{Diagnostic, Diagnostics, Excerpt, Severity};
 pub use keys::{Fallback, Key, Kind, Limits, keys};
+pub use locate::locate;
 pub use read::{LARGEST_TOML, read_case};
 pub use registry::{EffectRegistry, NoEffects, OptionKind, OptionSpec};
 pub use schema::json_schema;

@@ -177,7 +177,7 @@ impl Walk {
                         self.length = (1.5 * self.length).min(self.largest);
                     }
                     self.keep_short();
-                    m.stubborn = false;
+                    self.patience(m, 0);
                     return Ok(());
                 }
                 Err(e @ FemError::Setup(_)) => return Err(e),
@@ -185,13 +185,20 @@ impl Walk {
                     self.length *= 0.5;
                     self.before = None;
                     if self.length < self.smallest {
-                        m.stubborn = false;
+                        self.patience(m, 0);
                         return Err(e);
                     }
                     cuts += 1;
-                    m.stubborn = self.following.is_some() && cuts > PATIENT;
+                    self.patience(m, cuts);
                 }
             }
+        }
+    }
+
+    /// After many cuts of a followed path's step Newton gets more iterations; a jump's are the march's own matter.
+    fn patience(&self, m: &mut March, cuts: usize) {
+        if self.following.is_some() {
+            m.stubborn = cuts > PATIENT;
         }
     }
 

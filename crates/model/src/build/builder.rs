@@ -88,6 +88,17 @@ impl Builder {
         Ok(builder)
     }
 
+    /// Whether half the height is enough: no effect that takes part breaks the mirror.
+    pub(super) fn half_height(&self, how: Discretisation) -> bool {
+        let whole = |a: &Active| !a.idle && a.effect.card().breaks_half_height;
+        how.neutral_halves || !self.active.iter().any(whole)
+    }
+
+    /// Entries of the bulk's history at a point.
+    pub(super) fn bulk_history(&self) -> usize {
+        self.bulk.history().len()
+    }
+
     /// Effects in the order of their rank, so that the file's order cannot matter.
     fn add_effects(
         &mut self,
@@ -143,10 +154,9 @@ impl Builder {
         half_height: bool,
         how: Discretisation,
     ) -> Result<TestModel, BuildError> {
-        let strip = strip_of(case, test, half_height, how)
-            .map_err(|source| BuildError::Mesh { test: test.name.clone(), source })?;
-        let mesh =
-            mesh::strip(&strip).map_err(|source| BuildError::Mesh { test: test.name.clone(), source })?;
+        let mesh = strip_of(case, test, half_height, how)
+            .and_then(|strip| mesh::strip(&strip))
+            .map_err(|source| BuildError::mesh(case, &test.name, source))?;
         let body = Arc::new(Body::of(&mesh));
         let supports = supports(&mesh, test)?;
         let multiplicity =
