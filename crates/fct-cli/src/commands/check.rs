@@ -54,7 +54,7 @@ fn needs(cost: &Cost) -> Value {
     let need = |n: Need| json!({ "memory_bytes": n.bytes.round(), "seconds_per_run": n.seconds });
     json!({
         "run": need(cost.simulation),
-        "identify": { "memory_bytes": cost.fit.bytes.round(), "seconds_per_run": cost.fit.seconds, "runs": RUNS_OF_A_FIT },
+        "identify": { "memory_bytes": cost.fit.bytes.round(), "seconds_per_run": cost.fit.seconds, "runs": RUNS_OF_A_FIT, "seconds": cost.seconds_of_a_fit() },
         "elements": cost.elements, "elements_along_the_tear": cost.ahead, "available_bytes": cost::available_bytes(),
     })
 }
@@ -68,9 +68,9 @@ fn needs_in_words(case: &Case, cost: &Cost) -> String {
     if case.tests.iter().any(|t| t.record.is_some()) {
         let fit = cost.fit;
         out.push_str(&format!(
-            "; identify takes some {RUNS_OF_A_FIT} runs and {}, {} with one core",
+            "; identify takes some {RUNS_OF_A_FIT} runs, most on a coarser mesh: about {} and {} on one core",
             bytes(fit.bytes),
-            duration(RUNS_OF_A_FIT as f64 * fit.seconds)
+            duration(cost.seconds_of_a_fit())
         ));
         let available = cost::available_bytes().unwrap_or(cost::MOST_BYTES).min(cost::MOST_BYTES);
         if fit.bytes > available || fit.seconds > cost::MOST_SECONDS {

@@ -238,10 +238,22 @@ fn between(at: f64, m: usize) -> (usize, usize, f64) {
     (a, (a + 1).min(m - 1), s - a as f64)
 }
 
+/// How far a search may go where the file gives the bound of one side, and the law's other bound lies on the wrong side of it.
+const BEYOND: f64 = 1e3;
+
 /// A parameter with what the file says about it.
 fn parameter(path: String, mut spec: ParamSpec, value: &Value) -> Parameter {
-    spec.lower = value.min.unwrap_or(spec.lower);
-    spec.upper = value.max.unwrap_or(spec.upper);
+    let (lower, upper) = (spec.lower, spec.upper);
+    spec.lower = value.min.unwrap_or(lower);
+    spec.upper = value.max.unwrap_or(upper);
+    // A bound of the file that lies beyond the law's other end takes that end along.
+    if spec.lower >= spec.upper {
+        match (value.min, value.max) {
+            (None, Some(max)) => spec.lower = max / BEYOND,
+            (Some(min), None) => spec.upper = min * BEYOND,
+            _ => {}
+        }
+    }
     // k2 = 0, κ = 0, γ = 90°: the user chose a limit of the law; a search over orders of magnitude cannot start there.
     let held_at_limit =
         value.fixed.is_none() && !spec.fixed && value.value.is_some_and(|v| spec.transform.is_limit(v));

@@ -20,21 +20,27 @@ use std::sync::Arc;
 /// Runs of the model in an identification: FCT1 took 101 to 138 (docs/performance.md,
 /// `fct identify configs/FCT1.toml`).
 pub const RUNS_OF_A_FIT: usize = 100;
+/// The same in runs on the file's mesh: most of them are made on a coarser one (docs/performance.md, the same command: some
+/// 15 there, and as much time again on coarser ones).
+const FULL_RUNS_OF_A_FIT: f64 = 40.0;
 
 /// Bytes per entry of the lower triangle while it is set up and solved: pattern, maps, values, buffers of the bricks.
-/// Peak memory less the factor of strips of 9 450 to 82 350 unknowns: 114 to 123 (`cargo run --release -p fem --example
-/// scaling`, largest resident size).
+/// Largest resident size less the factor: 114 to 123 for `fct simulate` of strips 20 × 50 × 2 to 60 × 150 × 2 (9 450 to
+/// 82 350 unknowns; 65, 228, 487 MB in all).
 const BYTES_PER_ENTRY: f64 = 120.0;
 /// Bytes of the program without a model.
 const PROGRAM: f64 = 15e6;
-/// Seconds per brick and iteration, the factorisation apart: 26 µs at 2 000 bricks, 58 µs at 44 180 (same command).
-const SECONDS_PER_BRICK: f64 = 5e-5;
-/// Multiplications and additions per second of a factorisation: 13 to 30 · 10⁹ (same command, GF over its time).
+/// Seconds per unknown to set up the pattern and the first factor: a run of `cargo run --release -p fem --example scaling`
+/// less its ten iterations, 3 to 11 · 10⁻⁵ from 9 450 to 200 925 unknowns.
+const SETTING_UP: f64 = 6e-5;
+/// Seconds per brick and iteration, the factorisation apart: two assemblies of 4.0 to 4.3 µs a brick (same command).
+const SECONDS_PER_BRICK: f64 = 8e-6;
+/// Multiplications and additions per second of a factorisation: 14 to 30 · 10⁹ (same command, GF over its time).
 const FLOPS: f64 = 1.8e10;
-/// Newton iterations of a step: 2.5 in a tear, 3 to 4 elsewhere (docs/performance.md).
-const ITERATIONS: f64 = 3.0;
-/// Iterations of a tear's limit point and jump: a third of the 602 of FCT2 (docs/performance.md).
-const LIMIT_POINT: f64 = 200.0;
+/// Newton iterations of a step: 2.5 (`just peers`, tear 20 × 50 × 4).
+const ITERATIONS: f64 = 2.5;
+/// Iterations of a tear's limit point: a jump takes some hundred, a smooth tear none.
+const LIMIT_POINT: f64 = 60.0;
 /// Time of a run with derivatives over that of one without: 1.4 (`cargo bench -p analysis --bench iteration`).
 const WITH_DERIVATIVES: f64 = 1.4;
 /// Runs whose states and derivatives are kept as first guesses, and the present one.
@@ -114,7 +120,7 @@ impl Cost {
         let state = 8.0 * (unknowns + bricks as f64) + history;
         let iteration = SECONDS_PER_BRICK * bricks as f64 + count.fill.flops / FLOPS;
         let tear = if test.kind == TestKind::Tearing { LIMIT_POINT } else { 0.0 };
-        let time = |steps: f64| iteration * (ITERATIONS * steps + tear);
+        let time = |steps: f64| SETTING_UP * unknowns + iteration * (ITERATIONS * steps + tear);
 
         let simulated = simulated_steps(case, test);
         // Each state is kept for the fields, and once more for its own revisit.
@@ -126,6 +132,11 @@ impl Cost {
         let columns = free * (16.0 * unknowns + 2.0 * history);
         self.fit.bytes += system + KEPT_RUNS * steps * state + gradients + columns;
         self.fit.seconds += WITH_DERIVATIVES * time(steps);
+    }
+
+    /// Time of an identification on one core, s.
+    pub fn seconds_of_a_fit(&self) -> f64 {
+        FULL_RUNS_OF_A_FIT * self.fit.seconds
     }
 
     /// What a purpose needs.
