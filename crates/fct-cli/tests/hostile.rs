@@ -355,7 +355,8 @@ fn hostile_files_end_in_a_message_or_an_answer() -> Result<(), Box<dyn Error>> {
             slowest = (ended.took.as_secs_f64(), &case.what);
         }
         accepted += usize::from(ended.code == Some(0));
-        if ended.code == Some(0) && accepted % identified == 1 {
+        // A fit to a record of very many rows is slow, which is no fault of the record.
+        if ended.code == Some(0) && accepted % identified == 1 && case.record.len() < 1_000_000 {
             let ended = watched(folder.path(), &["identify", "strip.toml", "--quiet", "--out", "out"])?;
             wrong.extend(ended.fault().map(|why| format!("identify, {}: {why}", case.what)));
             let _ = fs::remove_dir_all(folder.path().join("out"));

@@ -68,7 +68,11 @@ fn more_areas_than_elements_are_refused_by_both_names() -> Tested {
 fn a_fault_of_the_mesh_has_its_place() -> Tested {
     let cases = [
         ("[8, 8, 1]", "[1, 8, 1]", "strip.toml:14:1: error"),
-        ("cut_mm = 1.5", "cut_mm = 1.5\noutline_mm = [[0, 0, 6], [4, 5.9, 6], [8, 0, 6]]", "strip.toml:6:1: error"),
+        (
+            "cut_mm = 1.5",
+            "cut_mm = 1.5\noutline_mm = [[0, 0, 6], [4, 5.9, 6], [8, 0, 6]]",
+            "strip.toml:6:1: error",
+        ),
         ("cut_mm = 1.5", "cut_mm = 5.9999999", "strip.toml:14:1: error"),
     ];
     for (from, to, place) in cases {

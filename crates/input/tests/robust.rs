@@ -114,7 +114,7 @@ fn many_keys_deep_nesting_and_endless_faults_end() {
     assert!(toml_faults(format!("{STRIP}{keys}").as_bytes()).contains("only the first 100"));
     let twice = "name = 1\n".repeat(100_000);
     assert!(toml_faults(twice.as_bytes()).contains("given twice"));
-    let legs: String = (0..200_000).map(|_| "5,").collect();
+    let legs: String = (0..15_000).map(|_| "5,").collect();
     assert!(toml_faults(STRIP.replace("{ hold_s = 60.0 }", &legs).as_bytes()).contains("only the first 100"));
     assert_quick(started);
 }

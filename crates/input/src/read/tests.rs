@@ -13,6 +13,8 @@ use toml::de::DeValue;
 
 /// Least way of a ramp, mm.
 const LEAST_WAY: f64 = 1e-6;
+/// Most legs of one protocol.
+const MOST_LEGS: usize = 20_000;
 /// Most tests of one piece.
 const MOST: usize = 1000;
 
@@ -115,6 +117,10 @@ fn protocol(s: &Section<'_>) -> Option<Vec<Leg>> {
     let items = scalar::list(s.context, "protocol", entry.item, expected)?;
     if items.is_empty() {
         s.fault("protocol", format!("`protocol` is empty; expected {expected}"));
+        return None;
+    }
+    if items.len() > MOST_LEGS {
+        s.fault("protocol", format!("`protocol` has {} legs; expected at most {MOST_LEGS}", items.len()));
         return None;
     }
     let (mut legs, mut at) = (Vec::new(), Some(0.0));
