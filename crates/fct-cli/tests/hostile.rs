@@ -404,6 +404,9 @@ fn what_is_no_file_or_has_no_end_is_refused_at_once() -> Result<(), Box<dyn Erro
         refused(format!("add {source}"), &["add", "drift", source])?;
         refused(format!("drop {source}"), &["drop", "drift", source])?;
     }
+    fs::write(here.join("strip.toml"), CONFIG)?;
+    fs::rename(here.join("large"), here.join("published.toml"))?;
+    refused("published.toml of 10 GB".to_owned(), &["identify", "strip.toml"])?;
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
     Ok(())
 }

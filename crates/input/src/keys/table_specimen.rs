@@ -135,25 +135,25 @@ pub(super) fn tests(b: &mut Builder) {
             "force_sd",
             sd(Force),
             absent("estimated from the record"),
-            "standard deviation of the force noise",
+            "standard deviation of the force noise; 1e-6 to 10 times the record's largest value",
         )
         .key(
             "grip_displacement_sd",
             sd(Length),
             absent("estimated from the record"),
-            "standard deviation of the camera's grip displacement",
+            "standard deviation of the camera's grip displacement; 1e-6 to 10 times the record's largest value",
         )
         .key(
             "tear_front_sd",
             sd(Length),
             absent("estimated from the record"),
-            "standard deviation of the camera's tear front",
+            "standard deviation of the camera's tear front; 1e-6 to 10 times the record's largest value",
         )
         .key(
             "width_change_sd",
             sd(Length),
             absent("estimated from the record"),
-            "standard deviation of the camera's width change",
+            "standard deviation of the camera's width change; 1e-6 to 10 times the record's largest value",
         )
         .key(
             "tear_front_opening",
