@@ -2,6 +2,7 @@
 
 use crate::compare::{self, Where};
 use crate::identify::AnalysisError;
+use crate::journal::Journal;
 use crate::ladder::{FeLadder, How, NextTest};
 use crate::parsimony::OneStrength;
 use crate::problem::Cancelled;
@@ -176,10 +177,12 @@ pub fn diagnose(
     catalogue: &Catalogue,
     progress: &(dyn Fn(&str) + Sync),
     cancelled: Cancelled,
+    journal: &dyn Journal,
 ) -> Result<DiscoverAnswer, AnalysisError> {
     let start = Instant::now();
     let policy = Policy::default();
-    let mut ladder = FeLadder::new(case, How { catalogue, policy: policy.clone(), progress, cancelled })?;
+    let mut ladder =
+        FeLadder::new(case, How { catalogue, policy: policy.clone(), progress, cancelled, journal })?;
     let rung = diagnose::Ladder::fit(&mut ladder, &[], &diagnose::Hints::new())?;
     let screen = diagnose::Ladder::screen(&mut ladder, &rung)?;
     let explained = rung.explained(&policy);
@@ -241,10 +244,12 @@ pub fn discover(
     catalogue: &Catalogue,
     progress: &(dyn Fn(&str) + Sync),
     cancelled: Cancelled,
+    journal: &dyn Journal,
 ) -> Result<DiscoverAnswer, AnalysisError> {
     let start = Instant::now();
     let policy = Policy::default();
-    let mut ladder = FeLadder::new(case, How { catalogue, policy: policy.clone(), progress, cancelled })?;
+    let mut ladder =
+        FeLadder::new(case, How { catalogue, policy: policy.clone(), progress, cancelled, journal })?;
     let d = ladder.search()?;
     Ok(DiscoverAnswer {
         ladder: d.ladder.iter().map(|r| ladder_row(&ladder, r)).collect(),

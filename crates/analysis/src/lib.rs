@@ -6,6 +6,7 @@ mod compare;
 mod data;
 mod held_out;
 mod identify;
+mod journal;
 mod ladder;
 mod needs;
 mod parsimony;
@@ -26,6 +27,7 @@ pub use held_out::HeldOut;
 pub use identify::{
     AnalysisError, Control, HistoryEntry, Identified, Progress, Stage, frees, identify, run_options,
 };
+pub use journal::{Journal, NoJournal};
 pub use ladder::{FeLadder, Fitted, How, NextTest, Tried};
 pub use needs::{Need, needs};
 pub use parsimony::{OneStrength, one_strength};

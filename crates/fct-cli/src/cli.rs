@@ -37,6 +37,9 @@ pub struct Common {
     /// Formats of the figures, each plot in a file of its own; default: what the file says, else svg
     #[arg(long, global = true, value_name = "FORMATS", value_delimiter = ',')]
     pub figures: Option<Vec<Format>>,
+    /// Write into a directory, or over a file, that holds something fct did not write
+    #[arg(long, global = true)]
+    pub force: bool,
     /// Take up a run where it stopped; a finished one only gives its answer again
     #[arg(long, global = true)]
     pub resume: bool,

@@ -2,7 +2,9 @@
 
 mod cli;
 mod commands;
+mod guard;
 mod outcome;
+mod place;
 mod progress;
 mod session;
 
@@ -10,12 +12,18 @@ use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let cli = cli::Cli::parse();
-    let session = match session::Session::new(&cli.common) {
-        Ok(session) => session,
-        Err(failure) => return failure.tell(cli.common.json),
+    guard::panics_are_told();
+    let cli = match cli::Cli::try_parse() {
+        Ok(cli) => cli,
+        // Help that nobody reads to its end (`fct --help | head -1`) is no fault.
+        Err(e) => return outcome::usage(&e),
     };
-    match commands::run(&cli.command, &session) {
+    guard::guarded(cli.common.json, || run(&cli))
+}
+
+fn run(cli: &cli::Cli) -> ExitCode {
+    let done = session::Session::new(&cli.common).and_then(|session| commands::run(&cli.command, &session));
+    match done {
         Ok(outcome) => outcome.tell(cli.common.json),
         Err(failure) => failure.tell(cli.common.json),
     }

@@ -6,7 +6,8 @@ use report::ReportError;
 use report::answer::SCHEMA;
 use serde::Serialize;
 use serde_json::{Value, json};
-use std::io::Write;
+use std::io::{ErrorKind, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// A command that gave an answer.
@@ -42,17 +43,28 @@ impl Outcome {
         Ok(Self { json, text, partial: None })
     }
 
+    /// Adds where the run is.
+    pub fn at(mut self, place: &Path) -> Self {
+        self.text.push_str(&format!("Run directory: {}\n", place.display()));
+        self
+    }
+
+    /// The same answer, which could not be stored.
+    pub fn unstored(self, why: &ReportError) -> Self {
+        Self { partial: Some(format!("the answer is above, but could not be stored: {why}")), ..self }
+    }
+
     /// Prints the answer.
     pub fn tell(self, json: bool) -> ExitCode {
-        if json {
-            print(&format!("{}\n", self.json));
-        } else {
-            print(&self.text);
-        }
-        match self.partial {
-            None => ExitCode::SUCCESS,
-            Some(why) => {
-                eprintln!("fct: {why}");
+        let printed = if json { print(&format!("{}\n", self.json)) } else { print(&self.text) };
+        match (printed, self.partial) {
+            (Ok(()), None) => ExitCode::SUCCESS,
+            (Err(e), _) => {
+                say(&format!("fct: cannot print the answer: {e}"));
+                ExitCode::from(1)
+            }
+            (Ok(()), Some(why)) => {
+                say(&format!("fct: {why}"));
                 ExitCode::from(1)
             }
         }
@@ -77,17 +89,36 @@ impl Failure {
 
     /// Prints the reason.
     pub fn tell(self, json: bool) -> ExitCode {
-        if json {
-            print(&format!("{}\n", self.json));
+        let printed = if json { print(&format!("{}\n", self.json)) } else { Ok(()) };
+        say(&self.message);
+        if let Err(e) = printed {
+            say(&format!("fct: cannot print the answer: {e}"));
         }
-        eprintln!("{}", self.message);
         ExitCode::from(self.code)
     }
 }
 
-/// A closed pipe (`fct … | head`) is no fault of the user's.
-fn print(text: &str) {
-    let _ = std::io::stdout().write_all(text.as_bytes());
+/// Prints to stdout. A closed pipe (`fct … | head`) is no fault of the user's; a full disk is one to be told.
+fn print(text: &str) -> std::io::Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),
+        done => done,
+    }
+}
+
+/// A line on stderr; that nobody reads it is no fault.
+pub fn say(text: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{text}");
+}
+
+/// Help, version, or what is wrong with the command line.
+pub fn usage(e: &clap::Error) -> ExitCode {
+    let code = u8::try_from(e.exit_code()).unwrap_or(2);
+    match e.print() {
+        Err(io) if io.kind() != ErrorKind::BrokenPipe => ExitCode::from(1),
+        _ => ExitCode::from(code),
+    }
 }
 
 impl From<Diagnostics> for Failure {

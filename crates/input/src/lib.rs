@@ -35,6 +35,7 @@ mod config;
 mod csv;
 mod diagnostics;
 pub mod edit;
+mod inputs;
 mod keys;
 mod read;
 mod registry;
@@ -49,6 +50,7 @@ pub use config::{
     MeshConfig, Mode, OptionValue, OutputConfig, Prior, PriorsConfig, Profile, SolverConfig, Symmetry, Value,
 };
 pub use diagnostics::{Diagnostic, Diagnostics, Excerpt, Severity};
+pub use inputs::{InputFile, sha256};
 pub use keys::{Fallback, Key, Kind, Limits, keys};
 pub use read::read_case;
 pub use registry::{EffectRegistry, NoEffects, OptionKind, OptionSpec};

@@ -16,6 +16,8 @@ pub(crate) struct SourceFile {
     pub path: PathBuf,
     /// Content without a byte-order mark.
     pub text: String,
+    /// SHA-256 of the bytes as they were read; `None` for a text that came from no file.
+    pub sha256: Option<String>,
     line_starts: Vec<usize>,
 }
 
@@ -34,7 +36,7 @@ impl SourceFile {
     pub fn new(path: impl Into<PathBuf>, text: String) -> Self {
         let line_starts =
             std::iter::once(0).chain(text.bytes().enumerate().filter(|b| b.1 == b'\n').map(|b| b.0 + 1));
-        Self { path: path.into(), line_starts: line_starts.collect(), text }
+        Self { path: path.into(), line_starts: line_starts.collect(), text, sha256: None }
     }
 
     /// Reads a file of at most `limit` bytes; `what` names what was expected ("a specimen or config file").
@@ -56,7 +58,8 @@ impl SourceFile {
         if bytes.len() as u64 > limit {
             return Err(too_large(path, bytes.len() as u64, limit, what));
         }
-        Self::from_bytes(path, bytes)
+        let sha256 = crate::inputs::sha256(&bytes);
+        Self::from_bytes(path, bytes).map(|file| Self { sha256: Some(sha256), ..file })
     }
 
     /// Decodes UTF-8, with or without a byte-order mark.

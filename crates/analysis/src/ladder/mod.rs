@@ -16,6 +16,7 @@ pub use next_test::{NextTest, Tried};
 use crate::columns::Base;
 use crate::data::Measured;
 use crate::identify::{AnalysisError, coarser, run_options};
+use crate::journal::Journal;
 use crate::problem::Cancelled;
 use diagnose::{Candidate, Policy, Rung, Screen};
 use input::Case;
@@ -74,6 +75,7 @@ pub struct FeLadder<'a> {
     runs: AtomicUsize,
     policy: Policy,
     progress: &'a (dyn Fn(&str) + Sync),
+    journal: &'a dyn Journal,
 }
 
 impl<'a> FeLadder<'a> {
@@ -98,7 +100,7 @@ impl<'a> FeLadder<'a> {
     }
 
     fn unfitted(case: Arc<Case>, how: How<'a>) -> Result<Self, AnalysisError> {
-        let How { catalogue, policy, progress, cancelled } = how;
+        let How { catalogue, policy, progress, cancelled, journal } = how;
         // The search works on a coarser mesh than the file's.
         let (coarse, mesh) = coarser(&case);
         let fine = Model::new(case.clone(), catalogue, Discretisation::default())?;
@@ -118,6 +120,7 @@ impl<'a> FeLadder<'a> {
             runs: AtomicUsize::new(0),
             policy,
             progress,
+            journal,
         })
     }
 }
@@ -133,6 +136,8 @@ pub struct How<'a> {
     pub progress: &'a (dyn Fn(&str) + Sync),
     /// Who stops it.
     pub cancelled: Cancelled<'a>,
+    /// Where finished fits are kept.
+    pub journal: &'a dyn Journal,
 }
 
 /// A model by its effects.

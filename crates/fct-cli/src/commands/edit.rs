@@ -2,7 +2,7 @@
 
 use crate::outcome::Failure;
 use crate::session::Session;
-use ::report::{ReportError, write_atomic};
+use ::report::{ReportError, StoredRun, write_atomic, write_named};
 use input::edit::{self, EditError};
 use std::path::{Path, PathBuf};
 
@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 pub struct Source {
     /// The TOML file.
     pub file: PathBuf,
-    /// The run directory, if one was named.
-    pub run: Option<PathBuf>,
+    /// The run, if one was named.
+    pub run: Option<StoredRun>,
     /// Its text.
     pub text: String,
 }
@@ -21,11 +21,13 @@ pub struct Source {
 /// # Errors
 /// If there is no such file.
 pub fn source(path: &Path) -> Result<Source, Failure> {
-    let run = path.is_dir().then(|| path.to_owned());
-    let file = if run.is_some() { path.join("run.toml") } else { path.to_owned() };
-    let text = std::fs::read_to_string(&file).map_err(ReportError::io(&file, "read")).map_err(Failure::from);
+    if path.is_dir() {
+        let stored = StoredRun::read(path)?;
+        return Ok(Source { file: path.join("run.toml"), text: stored.input.clone(), run: Some(stored) });
+    }
+    let text = std::fs::read_to_string(path).map_err(ReportError::io(path, "read")).map_err(Failure::from);
     let text = text.map_err(|e| Failure { code: 2, ..e })?;
-    Ok(Source { file, run, text })
+    Ok(Source { file: path.to_owned(), run: None, text })
 }
 
 /// Checks the changed text by reading it, then writes it; the file's relative paths follow it.
@@ -43,11 +45,11 @@ pub fn write(source: &Source, text: &str, ending: &str, session: &Session) -> Re
     let fault = |e: EditError| Failure::usage(format!("fct: {}: {e}", source.file.display()));
     let mut text = edit::rebase(text, folder(&source.file), folder(&out)).map_err(fault)?;
     if let Some(run) = &source.run {
-        let parent = std::path::absolute(run).unwrap_or_else(|_| run.clone());
+        let parent = std::path::absolute(&run.path).unwrap_or_else(|_| run.path.clone());
         text = edit::set_parent(&text, &parent.to_string_lossy()).map_err(fault)?;
     }
     validate(&text, &out, session)?;
-    write_atomic(&out, text.as_bytes())?;
+    write_named(&out, text.as_bytes(), session.common.force, |_| false)?;
     Ok(out)
 }
 
@@ -69,7 +71,7 @@ fn folder(file: &Path) -> &Path {
 fn beside(source: &Source, ending: &str) -> PathBuf {
     match &source.run {
         Some(run) => {
-            let run = std::path::absolute(run).unwrap_or_else(|_| run.clone());
+            let run = std::path::absolute(&run.path).unwrap_or_else(|_| run.path.clone());
             let name = run.file_name().map_or_else(|| "run".into(), |n| n.to_string_lossy().into_owned());
             run.with_file_name(format!("{name}{ending}.toml"))
         }

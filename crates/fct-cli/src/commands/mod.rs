@@ -15,6 +15,7 @@ pub mod new;
 pub mod report;
 mod rungs;
 pub mod simulate;
+mod unfinished;
 
 use crate::cli::Command;
 use crate::outcome::{Failure, Outcome};

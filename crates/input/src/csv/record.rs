@@ -28,6 +28,7 @@ const COLUMNS: [Column; 7] = [
 /// Reads a record. Faults go to the sink; `None` if there were any.
 pub(crate) fn read_record(path: &Path, sink: &Sink) -> Result<Option<Record>, Box<Diagnostic>> {
     let file = load(path, WHAT)?;
+    sink.was_read(&file);
     let mut faults = Faults::new(&file, sink);
     let record = rows(&file, &mut faults);
     if faults.finish() {

@@ -25,14 +25,24 @@ const CSS: &str = concat!(include_str!("../../assets/uPlot.min.css"), "\n", incl
 const PLOT: &str = include_str!("../../assets/uPlot.iife.min.js");
 const SCRIPT: &str = concat!(include_str!("charts.js"), include_str!("page.js"));
 
+/// Stands in the head of every page.
+const GENERATOR: &str = "<meta name=\"generator\" content=\"fct\">";
+
+/// Whether a file is a page that this program made.
+pub fn is_page(content: &[u8]) -> bool {
+    let head = &content[..content.len().min(1000)];
+    head.windows(GENERATOR.len()).any(|w| w == GENERATOR.as_bytes())
+}
+
 /// The page of a run whose files lie in `files` (its own directory, or where it is being written).
 ///
 /// # Errors
 /// If what was stored cannot be shown.
 pub fn page(run: &StoredRun, files: &Path) -> Result<String, ReportError> {
     if let Some(answer) = run.simulate() {
-        let curves: Vec<Curve> = StoredRun { path: files.to_owned(), ..run.clone() }.curves();
-        let pictures = simulate::pictures(&answer, files);
+        let at = run.in_folder(files);
+        let curves: Vec<Curve> = at.curves()?;
+        let pictures = view::pictures(&at, answer.tests.keys())?;
         return Ok(shell(run, &simulate::body(&answer, &curves, &pictures), &data::of_curves(&curves)));
     }
     view_page(&View::of(run, files)?)
@@ -69,7 +79,7 @@ fn document(title: &str, body: &str, data: &Value) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta name=\"color-scheme\" content=\"light dark\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n{GENERATOR}\n\
          <title>{}</title>\n<style>\n{CSS}</style>\n</head>\n<body>\n<main>\n{body}</main>\n\
          <script type=\"application/json\" id=\"data\">{data}</script>\n<script>\n{PLOT}\n{SCRIPT}</script>\n</body>\n</html>\n",
         escape(title)
@@ -89,8 +99,10 @@ fn unfinished(run: &StoredRun) -> String {
 /// Where everything comes from, and how to make it again.
 fn origin(run: &StoredRun, provenance: &str) -> String {
     let files = run.info.inputs.iter().map(|f| {
-        let hash = f.sha256.as_deref().map_or("–".to_owned(), |h| h.chars().take(16).collect());
-        vec![Cell::left(f.file.display().to_string()), Cell::left(hash)]
+        vec![
+            Cell::left(f.file.display().to_string()),
+            Cell::left(f.sha256.chars().take(16).collect::<String>()),
+        ]
     });
     let provenance = if provenance.is_empty() { "not stated in the specimen file" } else { provenance };
     let input = std::path::absolute(&run.path).unwrap_or_else(|_| run.path.clone()).join("run.toml");

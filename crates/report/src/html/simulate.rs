@@ -4,13 +4,6 @@ use super::{Cell, chart, escape, picture, table};
 use crate::Curve;
 use crate::answer::SimulateAnswer;
 use crate::terminal::significant;
-use std::path::Path;
-
-/// Stored pictures of the strip, by test.
-pub fn pictures(a: &SimulateAnswer, files: &Path) -> Vec<(String, String)> {
-    let read = |t: &String| std::fs::read_to_string(files.join(format!("figures/{t}-S22.svg"))).ok();
-    a.tests.keys().filter_map(|t| Some((t.clone(), read(t)?))).collect()
-}
 
 /// Curves, jumps, energies, pictures.
 pub fn body(a: &SimulateAnswer, curves: &[Curve], pictures: &[(String, String)]) -> String {
