@@ -89,7 +89,7 @@ mutants:
 
 # Identify, discover and batch killed 167 times each and stopped by signals 67 times each; full disk, vanished directory.
 kills:
-    FCT_KILLS=167 FCT_SIGNALS=67 cargo test --release -p fct-cli --test killed -- --nocapture
+    FCT_KILLS=167 FCT_SIGNALS=67 cargo test --release -p fct-cli --test killed -- --nocapture --test-threads 1
 
 # Every file of a run directory damaged in nine ways, read by every command.
 damaged:

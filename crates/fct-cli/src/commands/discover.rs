@@ -83,6 +83,6 @@ fn interrupted(dir: RunDir, case: &Case, session: &Session, answer: Option<&Disc
         all.extend(found.into_iter().filter(|(key, _)| key == "ladder" || key == "screen"));
     }
     let stored = store_unfinished(&dir, case, &partial, &session.info("discover", case, false))
-        .and_then(|()| dir.finish_partial());
+        .and_then(|()| dir.finish_partial(true));
     kept(stored, WHY, Some(partial), "what was found so far is")
 }

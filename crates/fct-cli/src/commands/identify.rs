@@ -106,6 +106,6 @@ fn interrupted(
     let why = if session.cancelled() { "stopped by the user".to_owned() } else { Failure::from(e).message };
     let partial = Partial::new(case, history, &why);
     let stored = store_partial(&dir, case, &partial, &session.info("identify", case, false))
-        .and_then(|()| dir.finish_partial());
+        .and_then(|()| dir.finish_partial(session.cancelled()));
     kept(stored, &why, serde_json::to_value(&partial).ok(), "the best values so far are")
 }

@@ -40,8 +40,9 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let outcome = shown(&answer, session)?;
     let complete = answer.stopped_because.is_none();
     let info = session.info("simulate", &case, complete);
-    let stored = store_simulate(&dir, &done, &answer, &info)
-        .and_then(|()| if complete { dir.finish().map(Kept::At) } else { dir.finish_partial() });
+    let stored = store_simulate(&dir, &done, &answer, &info).and_then(|()| {
+        if complete { dir.finish().map(Kept::At) } else { dir.finish_partial(session.cancelled()) }
+    });
     Ok(match stored {
         Ok(Kept::At(place)) => outcome.at(&place),
         Ok(Kept::Aside(_)) => outcome,

@@ -149,20 +149,21 @@ impl RunDir {
         self.put()
     }
 
-    /// Puts an unfinished run in its place, with what is needed to take it up; never over a finished one.
+    /// Puts an unfinished run in its place, with what is needed to take it up; never over a finished one: a run that the user
+    /// `stopped` then leaves only what is needed to go on, one that could not go on takes the next free number.
     ///
     /// # Errors
     /// As [`RunDir::finish`].
-    pub fn finish_partial(mut self) -> Result<Kept, ReportError> {
+    pub fn finish_partial(mut self, stopped: bool) -> Result<Kept, ReportError> {
         let resume = self.part.join(RESUME);
         let nothing_to_take_up = fs::remove_dir(&resume).is_ok();
         if !crate::StoredRun::read(&self.place).is_ok_and(|r| r.info.complete) {
             return self.put().map(Kept::At);
         }
-        if nothing_to_take_up {
+        if !stopped {
             return self.put_beside().map(Kept::At);
         }
-        self.keep_part = true;
+        self.keep_part = !nothing_to_take_up;
         for entry in fs::read_dir(&self.part).into_iter().flatten().flatten() {
             let path = entry.path();
             if entry.file_name() != RESUME {

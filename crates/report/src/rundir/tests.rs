@@ -152,7 +152,7 @@ fn finished_parts_are_found_again_after_a_kill_and_after_a_stop() -> Tested {
     assert!(!stopped.part().join("half.csv").exists());
     stopped.journal().put("two", b"2");
     stopped.write("run.toml", b"")?;
-    assert_eq!(stopped.finish_partial()?, Kept::At(place.clone()));
+    assert_eq!(stopped.finish_partial(true)?, Kept::At(place.clone()));
     let last = RunDir::begin(&place, resume)?;
     let both = ["one", "two"].map(|k| last.journal().get(k).is_some());
     assert_eq!(both, [true, true]);
