@@ -115,3 +115,8 @@ book-html:
 # Changes of the public interface against a revision: what breaks it needs a new minor version before 1.0.
 semver revision="HEAD~1":
     cargo semver-checks --workspace --baseline-rev {{revision}}
+
+# Every hostile file and command line, every number of the tables at values that nobody means (minutes).
+hostile:
+    FCT_HOSTILE=all cargo test -p fct-cli --test hostile --test command_lines -- --nocapture
+    FCT_ALL=1 cargo test -p workspace-tests --test every_number -- --nocapture

@@ -6,6 +6,7 @@ use crate::problem::Cancelled;
 use fem::{FemError, History, MarchOptions, Run, State, Target, march};
 use input::{Case, Control, TestKind};
 use inverse::PredictError;
+use model::cost::Purpose;
 use model::{
     BuildError, Catalogue, Discretisation, LONG_REST, Model, Plan, RunIndex, RunOptions, Sample, camera,
     plan_simulation,
@@ -92,7 +93,7 @@ pub fn simulate(
     control: &SimulateControl,
 ) -> Result<Simulated, AnalysisError> {
     let how = Discretisation { idle_neutral: true, ..Discretisation::default() };
-    let model = Model::new(case.clone(), catalogue, how)?;
+    let model = Model::checked(case.clone(), catalogue, how, Purpose::Simulation)?;
     let mut march = run_options(&case).march;
     march.ledger = true;
     march.keep_states = true;

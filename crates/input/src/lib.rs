@@ -37,6 +37,7 @@ mod diagnostics;
 pub mod edit;
 mod inputs;
 mod keys;
+mod locate;
 mod read;
 mod registry;
 mod schema;
@@ -52,7 +53,9 @@ pub use config::{
 pub use diagnostics::{Diagnostic, Diagnostics, Excerpt, Severity};
 pub use inputs::{InputFile, sha256};
 pub use keys::{Fallback, Key, Kind, Limits, keys};
-pub use read::read_case;
+pub use locate::locate;
+pub use read::{LARGEST_TOML, read_case};
 pub use registry::{EffectRegistry, NoEffects, OptionKind, OptionSpec};
 pub use schema::json_schema;
+pub use text::read_text;
 pub use write::{resolved_toml, resolved_toml_with};

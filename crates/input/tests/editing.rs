@@ -100,7 +100,8 @@ fn the_schema_has_every_section_effect_and_spelling() {
     let schema = json_schema(&Catalogue);
     let properties = &schema["properties"];
     assert_eq!(properties["bulk"]["properties"]["kappa"]["anyOf"][0]["maximum"], 1.0 / 3.0);
-    assert_eq!(properties["bulk"]["properties"]["mu_kPa"]["anyOf"][0]["exclusiveMinimum"], 0.0);
+    assert_eq!(properties["bulk"]["properties"]["mu_kPa"]["anyOf"][0]["minimum"], 1e-6);
+    assert_eq!(properties["output"]["properties"]["noise"]["minimum"], 0.0);
     assert_eq!(properties["interface"]["properties"]["areas"]["default"], 1);
     assert!(properties["effects"]["properties"]["viscoelastic"]["properties"]["tau_min"].is_object());
     assert_eq!(properties["effects"]["properties"]["viscoelastic"]["properties"]["branches"]["maximum"], 4);

@@ -35,7 +35,11 @@ impl Published {
     /// If there is a `published.toml` that cannot be read.
     pub fn of(case: &Case) -> Result<Option<Self>, ReportError> {
         let Some(path) = find(case) else { return Ok(None) };
-        let text = std::fs::read_to_string(&path).map_err(ReportError::io(&path, "read"))?;
+        let read = input::read_text(&path, input::LARGEST_TOML, "published values (TOML)");
+        let text = read.map_err(|e| {
+            let reason = e.0.first().map_or_else(String::new, |d| d.message.clone());
+            ReportError::NotARun { path: path.clone(), reason }
+        })?;
         let not = |reason: String| ReportError::NotARun { path: path.clone(), reason };
         let all: Table = text.parse().map_err(|e: toml::de::Error| not(e.message().to_owned()))?;
         let Some(table) = all.get(&case.name).and_then(Value::as_table) else { return Ok(None) };

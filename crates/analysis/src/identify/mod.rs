@@ -17,6 +17,7 @@ use crate::journal::Journal;
 use crate::problem::Cancelled;
 use input::Case;
 use inverse::{Fit, FitError, Free, Iterate, Noise, PredictError, Quality, Uncertainty, Whitened};
+use model::cost::Purpose;
 use model::{BuildError, Catalogue, Discretisation, Model, RunOptions};
 use nalgebra::DVector;
 use search::{Search, staged};
@@ -169,7 +170,7 @@ pub fn identify(
     catalogue: &Catalogue,
     control: &Control,
 ) -> Result<Identified, AnalysisError> {
-    let fine = Model::new(case.clone(), catalogue, Discretisation::default())?;
+    let fine = Model::checked(case.clone(), catalogue, Discretisation::default(), Purpose::Fit)?;
     let coarse = coarse_model(&case, catalogue)?;
     let options = run_options(&case);
     let wanted = fine.recorded();

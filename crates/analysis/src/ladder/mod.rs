@@ -21,6 +21,7 @@ use crate::problem::Cancelled;
 use diagnose::{Candidate, Policy, Rung, Screen};
 use input::Case;
 use inverse::{Data, Fit, Free, Noise, Quality, Whitened};
+use model::cost::Purpose;
 use model::{Catalogue, Discretisation, Model, RunOptions};
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -103,7 +104,7 @@ impl<'a> FeLadder<'a> {
         let How { catalogue, policy, progress, cancelled, journal } = how;
         // The search works on a coarser mesh than the file's.
         let (coarse, mesh) = coarser(&case);
-        let fine = Model::new(case.clone(), catalogue, Discretisation::default())?;
+        let fine = Model::checked(case.clone(), catalogue, Discretisation::default(), Purpose::Fit)?;
         let wanted = fine.recorded();
         let measured = Measured::cautious(&fine, &wanted)?;
         Ok(Self {

@@ -2,7 +2,7 @@
 
 use crate::outcome::Failure;
 use crate::session::Session;
-use ::report::{ReportError, StoredRun, write_atomic, write_named};
+use ::report::{StoredRun, write_atomic, write_named};
 use input::edit::{self, EditError};
 use std::path::{Path, PathBuf};
 
@@ -19,14 +19,13 @@ pub struct Source {
 /// Reads a config, or the input of a run.
 ///
 /// # Errors
-/// If there is no such file.
+/// If there is no such file, or it is none that can be a config.
 pub fn source(path: &Path) -> Result<Source, Failure> {
     if path.is_dir() {
         let stored = StoredRun::read(path)?;
         return Ok(Source { file: path.join("run.toml"), text: stored.input.clone(), run: Some(stored) });
     }
-    let text = std::fs::read_to_string(path).map_err(ReportError::io(path, "read")).map_err(Failure::from);
-    let text = text.map_err(|e| Failure { code: 2, ..e })?;
+    let text = input::read_text(path, input::LARGEST_TOML, "a config or specimen file (TOML)")?;
     Ok(Source { file: path.to_owned(), run: None, text })
 }
 

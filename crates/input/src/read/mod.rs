@@ -2,6 +2,7 @@
 
 mod effects;
 mod model;
+mod noise;
 mod parameter;
 mod priors;
 mod run;
@@ -24,7 +25,7 @@ use toml::Spanned;
 use toml::de::DeTable;
 
 /// Largest TOML file, bytes.
-const LIMIT: u64 = 10_000_000;
+pub const LARGEST_TOML: u64 = 10_000_000;
 /// What a specimen file may hold when a config points to it.
 const SPECIMEN_KEYS: [&str; 4] = ["name", "provenance", "geometry", "tests"];
 
@@ -129,7 +130,7 @@ fn pointed(top: &Section<'_>) -> Option<Option<(Measured, PathBuf)>> {
     }
     let Some(given) = top.text("specimen") else { return Some(None) };
     let path = specimen::resolve(context, given);
-    let file = match SourceFile::read(&path, LIMIT, "a specimen file (TOML)") {
+    let file = match SourceFile::read(&path, LARGEST_TOML, "a specimen file (TOML)") {
         Ok(file) => file,
         Err(diagnostic) => {
             specimen::linked(top, "specimen", *diagnostic);
@@ -167,7 +168,7 @@ fn stem(path: &Path) -> String {
 
 /// The text of a TOML file, or `None` and an error.
 fn load(path: &Path, what: &str, sink: &Sink) -> Option<SourceFile> {
-    match SourceFile::read(path, LIMIT, what) {
+    match SourceFile::read(path, LARGEST_TOML, what) {
         Ok(file) if file.is_blank() => {
             sink.push(Report::error(format!("the file is empty; expected {what}")).about(path));
             None
