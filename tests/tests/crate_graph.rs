@@ -18,6 +18,7 @@ const MAY_SEE: &[(&str, &[&str])] = &[
     ("cohesive", &["constitutive", "params"]),
     ("fem", &["constitutive", "mesh", "params"]),
     ("diagnose", &["inverse", "params"]),
+    ("evidence", &["inverse", "params"]),
     // 3
     ("model", &["cohesive", "constitutive", "fem", "hgo", "input", "inverse", "mesh", "params"]),
     // 4
@@ -138,7 +139,7 @@ fn finite_elements_know_no_material() {
 #[test]
 fn statistics_know_no_mechanics() {
     let graph = graph();
-    for name in ["inverse", "diagnose"] {
+    for name in ["inverse", "diagnose", "evidence"] {
         let seen = reaches(&graph, name);
         for mechanics in ["constitutive", "hgo", "cohesive", "mesh", "fem", "model", "effects"] {
             assert!(!seen.contains(mechanics), "{name} reaches {mechanics}");

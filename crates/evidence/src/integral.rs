@@ -9,7 +9,7 @@ const MOST: usize = 600;
 
 /// Points with the logarithm of the volume each stands for, so that Σ exp(f + ln volume) is ∫ exp(f).
 /// `f` must have a maximum and fall towards all sides; on a lattice one standard deviation wide the error for a Gaussian is
-/// 2·exp(−2π²).
+/// 2·exp(−2π²). Empty where the function vanishes (−∞) all around the start.
 pub(crate) fn lattice(
     dimensions: usize,
     start: [f64; 2],
@@ -19,6 +19,9 @@ pub(crate) fn lattice(
         return vec![([0.0; 2], 0.0)];
     }
     let top = climb(dimensions, start, &mut f);
+    if !f(top).is_finite() {
+        return Vec::new();
+    }
     let axes = axes(dimensions, top, &mut f);
     let at = |c: (i32, i32)| {
         let (i, j) = (f64::from(c.0), f64::from(c.1));

@@ -117,7 +117,7 @@ fn kappas(record: &Record) -> Vec<(f64, f64)> {
     let sd = (0.5 / record.freedom.max(1.0)).sqrt();
     // As fine as the record itself knows its level, so that no peak falls between two nodes.
     let step = sd.min((0.5 / record.used as f64).sqrt()).max(sd / 5.0);
-    let most = (3.0 * sd / step).ceil() as i32;
+    let most = (4.0 * sd / step).ceil() as i32;
     let z = |k: i32| f64::from(k) * step / sd;
     let norm = ln_sum_exp((-most..=most).map(|k| -0.5 * z(k) * z(k)).collect::<Vec<_>>());
     (-most..=most).map(|k| ((f64::from(k) * step).exp(), -0.5 * z(k) * z(k) - norm)).collect()
@@ -139,8 +139,7 @@ impl Evidence {
         let mut out = Self::empty(record, linear);
         let view = View { rest, amplitude: 1.0 };
         let p = linear.parameters.len();
-        for support in 0..SUPPORTS.len() {
-            let [smooth, jerk] = SUPPORTS[support];
+        for (support, [smooth, jerk]) in SUPPORTS.into_iter().enumerate() {
             let one = [(RestSize::NONE.smooth_length, 1.0)];
             for &(l1, m1) in if smooth { rest.smooth_lengths.as_slice() } else { &one } {
                 for &(l2, m2) in if jerk { rest.jerk_lengths.as_slice() } else { &one } {
@@ -183,6 +182,22 @@ impl Evidence {
             }
         }
         Ok(out)
+    }
+
+    /// ln Z at one size of the rest, noise as estimated.
+    ///
+    /// # Errors
+    /// As [`Evidence::of`].
+    pub fn at_size(
+        record: &Record,
+        linear: &Linear,
+        size: RestSize,
+        kernel: Kernel,
+    ) -> Result<f64, EvidenceError> {
+        linear.check(record)?;
+        let x = columns(record, linear);
+        let reduced = reduce(record, &x, linear.parameters.len(), size, kernel);
+        Ok(reduced.solve(&linear.parameters, 1.0, 1.0, 1.0).ln_z - record.ln_units)
     }
 
     fn empty(record: &Record, linear: &Linear) -> Self {

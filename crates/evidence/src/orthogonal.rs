@@ -2,7 +2,9 @@
 //!
 //! With C = R + K: C⊥ = C − U M⁻¹Uᵀ, U = KH, M = HᵀKH, so that by Woodbury and Sylvester
 //!
-//!     xᵀC⊥⁻¹y = xᵀC⁻¹y + (UᵀC⁻¹x)ᵀ W⁻¹ (UᵀC⁻¹y),   |C⊥| = |C| |W| / |M|,   W = M − UᵀC⁻¹U = (KH)ᵀC⁻¹(RH),
+//! ```text
+//! xᵀC⊥⁻¹y = xᵀC⁻¹y + (UᵀC⁻¹x)ᵀ W⁻¹ (UᵀC⁻¹y),   |C⊥| = |C| |W| / |M|,   W = M − UᵀC⁻¹U = (KH)ᵀC⁻¹(RH),
+//! ```
 //!
 //! the last form without a difference of nearly equal numbers. UᵀC⁻¹x = (C⁻¹U)ᵀx. Hence p further rows W^{−½}UᵀC⁻¹x stand
 //! below the whitened ones. Inner products are of shares of the peak, every point alike.

@@ -1,6 +1,6 @@
 //! Noise and rest of one block as a Gaussian process with memory of four numbers, so that its covariance
 //!
-//! C = κ-free R (AR(1)) + τ² Matérn-3/2(ℓ₁) + υ² Ornstein–Uhlenbeck(ℓ₂)
+//! C = R (AR(1)) + τ² Matérn-3/2(ℓ₁) + υ² Ornstein–Uhlenbeck(ℓ₂)
 //!
 //! is whitened, inverted and sampled in time proportional to the number of points (Hartikainen & Särkkä 2010): a Kalman
 //! filter's innovations, divided by their standard deviations, are L⁻¹v with C = L Lᵀ, exactly; the adjoint of
@@ -134,9 +134,9 @@ impl<'a> Process<'a> {
             step.gain = seen.map(|x| x / variance);
             step.weight = variance.sqrt().recip();
             ln_det += variance.ln();
-            for i in 0..4 {
-                for j in 0..4 {
-                    p[i][j] -= step.gain[i] * seen[j];
+            for (row, gain) in p.iter_mut().zip(step.gain) {
+                for (x, seen) in row.iter_mut().zip(seen) {
+                    *x -= gain * seen;
                 }
             }
             steps.push(step);
