@@ -230,10 +230,6 @@ impl diagnose::Ladder for FeLadder<'_> {
         crate::needs::untold(&self.case, self.catalogue, effect)
     }
 
-    fn strangers(&self, effect: &str) -> Vec<String> {
-        crate::needs::strangers(&self.case, self.catalogue, effect)
-    }
-
     fn interrupted(&self) -> bool {
         (self.cancelled)()
     }
