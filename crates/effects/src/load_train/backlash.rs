@@ -54,14 +54,7 @@ impl Effect for Backlash {
 struct Play;
 
 impl<S: Scalar> Law<S, 1> for Play {
-    fn respond(
-        &self,
-        _ctx: &Context,
-        u: &[S; 1],
-        params: &[S],
-        old: &[S],
-        new: &mut [S],
-    ) -> Response<S, 1> {
+    fn respond(&self, _ctx: &Context, u: &[S; 1], params: &[S], old: &[S], new: &mut [S]) -> Response<S, 1> {
         let (pulled, pushed) = (u[0], plus(u[0], params[0]));
         new[0] = if old[0].value() == pulled.value() {
             // In touch and at rest: where it stands by the way it came.
@@ -124,8 +117,7 @@ mod tests {
     #[test]
     fn the_grip_stands_still_until_the_play_is_taken_up() {
         let got = motion(&[0.0, 1.0, 0.95, 0.5, 0.5, 0.55, 0.8], 0.125);
-        let want =
-            [(0.0, 0.0), (1.0, 0.0), (1.0, 0.0), (0.625, 1.0), (0.625, 1.0), (0.625, 1.0), (0.8, 0.0)];
+        let want = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.0), (0.625, 1.0), (0.625, 1.0), (0.625, 1.0), (0.8, 0.0)];
         assert_eq!(got, want);
     }
 
