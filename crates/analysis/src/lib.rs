@@ -10,6 +10,7 @@ mod ladder;
 mod needs;
 mod parsimony;
 mod priors;
+mod probable;
 mod problem;
 mod reach;
 mod simulate;
@@ -29,6 +30,7 @@ pub use identify::{
 pub use ladder::{FeLadder, Fitted, How, NextTest, Tried};
 pub use needs::{Need, needs};
 pub use parsimony::{OneStrength, one_strength};
+pub use probable::{Probable, Weighed, probable};
 pub use problem::{Cancelled, FeProblem};
 pub use simulate::{SimulateControl, Simulated, SimulatedTest, replay, simulate};
 pub use start::start_at;
