@@ -236,10 +236,6 @@ impl diagnose::Ladder for FeLadder<'_> {
         crate::needs::untold(&self.case, self.catalogue, effect)
     }
 
-    fn strangers(&self, effect: &str) -> Vec<String> {
-        crate::needs::strangers(&self.case, self.catalogue, effect)
-    }
-
     fn interrupted(&self) -> bool {
         (self.cancelled)()
     }
@@ -258,6 +254,11 @@ impl FeLadder<'_> {
             .filter(|(k, _)| k.iter().all(|e| key.contains(e)))
             .max_by_key(|(k, _)| k.len())
             .map(|(_, f)| f)
+    }
+
+    /// Tells whom the search tells.
+    pub(crate) fn say(&self, what: &str) {
+        (self.progress)(what);
     }
 
     /// The effects that are searched.
