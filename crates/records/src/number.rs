@@ -156,7 +156,8 @@ pub(crate) fn value(cell: &str, locale: Locale, power: i32) -> Option<f64> {
     let text = std::str::from_utf8(&digits[..n]).ok()?;
     let shift = exponent + power;
     let size: f64 = if shift == 0 { text.parse().ok()? } else { format!("{text}e{shift}").parse().ok()? };
-    size.is_finite().then_some(if negative { -size } else { size })
+    // 0 − x and not −x: a record has no −0.
+    size.is_finite().then_some(if negative { 0.0 - size } else { size })
 }
 
 #[cfg(test)]

@@ -199,7 +199,7 @@ pub(crate) fn settle(rows: &mut Rows, choices: &Choices, noise: f64) -> (Vec<Str
         .count();
     if slack < rows.len() && slack > still {
         let moved = (rows.displacement[slack] - rows.displacement[0]).abs();
-        if moved > 0.1 * u_range {
+        if moved > 0.15 * u_range {
             proposals.push(Proposal {
                 flag: String::new(),
                 why: format!(

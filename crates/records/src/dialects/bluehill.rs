@@ -8,13 +8,25 @@ use crate::words::Role;
 pub(super) const DIALECT: Dialect = Dialect {
     name: "Bluehill",
     wrote: |head| {
-        let groups =
-            ["General :", "Text Inputs :", "Dimension :", "Dimensions :", "Number Inputs :", "Results Table"];
-        let quoted = |l: &str| l.trim_start_matches('"').to_owned();
-        head.iter().any(|l| groups.iter().any(|g| quoted(l).starts_with(g)))
-            || head
-                .windows(2)
-                .any(|w| a_line_holds(&w[..1], &["time"]) && w[1].to_lowercase().starts_with("(s"))
+        let groups = [
+            "General :",
+            "Text Inputs :",
+            "Dimension :",
+            "Dimensions :",
+            "Number Inputs :",
+            "Results Table",
+            "Allgemein :",
+            "Abmessung :",
+            "Ergebnistabelle",
+            "Général :",
+        ];
+        let group = |l: &&str| {
+            let l = l.trim_start_matches('"');
+            groups.iter().any(|g| l.starts_with(g))
+        };
+        let names = |l: &str| ["time", "zeit", "temps"].iter().any(|t| a_line_holds(&[l], &[t]));
+        let units = |l: &str| l.trim_start_matches('"').to_lowercase().starts_with("(s");
+        head.iter().any(|l| group(l)) || head.windows(2).any(|w| names(w[0]) && units(w[1]))
     },
     hints: |_| Hints {
         columns: &[(Role::Displacement, "extension"), (Role::Force, "load"), (Role::Time, "time")],
