@@ -99,7 +99,7 @@ impl Assigner<'_> {
 
     fn nothing_fits(&self, role: Role) -> bool {
         self.choices.columns.get(role.flag()).is_none()
-            && stand_ins(role).iter().all(|r| self.best(*r).is_empty())
+            && role.stand_ins().iter().all(|r| self.best(*r).is_empty())
     }
 
     fn find(&self, role: Role) -> Result<Option<(usize, Role)>, Trouble> {
@@ -107,7 +107,7 @@ impl Assigner<'_> {
             let index = self.named(said, role.flag()).map_err(Trouble::Wrong)?;
             return Ok(Some((index, self.as_said(index, role))));
         }
-        for stand_in in stand_ins(role) {
+        for stand_in in role.stand_ins() {
             let best = self.best(*stand_in);
             match best.as_slice() {
                 [] => {}
@@ -116,7 +116,7 @@ impl Assigner<'_> {
                     return Ok(Some((many[0], *stand_in)));
                 }
                 many => {
-                    let what = format!("{} columns could be the {}", many.len(), spoken(role));
+                    let what = format!("{} columns could be the {}", many.len(), role.spoken());
                     return Err(Trouble::Ask(Question::new(role.flag(), what, self.listed(many))));
                 }
             }
@@ -133,7 +133,7 @@ impl Assigner<'_> {
                 Err(Trouble::Ask(Question::new("time", what, self.listed(&self.rest()))))
             };
         }
-        let what = format!("no column is called the {}", spoken(role));
+        let what = format!("no column is called the {}", role.spoken());
         Err(Trouble::Ask(Question::new(role.flag(), what, self.listed(&self.rest()))))
     }
 
@@ -187,7 +187,7 @@ impl Assigner<'_> {
         let unit = self.choices.units.get(role.flag()).cloned().or(unit);
         let measure = unit.as_deref().and_then(units::parse).map(|u| u.measure);
         let of = |r: &&Role| measure.map_or(fits(&bare, **r) > 0, |m| r.measure() == Some(m));
-        let candidates = stand_ins(role);
+        let candidates = role.stand_ins();
         let by_name = candidates.iter().filter(of).max_by_key(|r| fits(&bare, **r));
         by_name.copied().unwrap_or(role)
     }
@@ -210,7 +210,7 @@ impl Assigner<'_> {
             || examples.iter().map(|u| (format!("{}={u}", role.flag()), format!("it is in {u}"))).collect();
         let Some(text) = text else {
             let what =
-                format!("column {} `{}` (the {}) has no unit", index + 1, visible(&name), spoken(role));
+                format!("column {} `{}` (the {}) has no unit", index + 1, visible(&name), role.spoken());
             return Err(Question::new("units", what, options()));
         };
         match units::parse(&text) {
@@ -227,7 +227,7 @@ impl Assigner<'_> {
                     visible(&text),
                     index + 1,
                     visible(&name),
-                    spoken(role)
+                    role.spoken()
                 );
                 Err(Question::new("units", what, options()))
             }
@@ -298,33 +298,4 @@ impl Assigner<'_> {
 enum Trouble {
     Ask(Question),
     Wrong(Fault),
-}
-
-/// What may stand for a channel, best first.
-fn stand_ins(role: Role) -> &'static [Role] {
-    match role {
-        Role::Displacement => &[Role::Displacement, Role::Stretch, Role::Strain],
-        Role::Force => &[Role::Force, Role::Stress],
-        Role::Time => &[Role::Time],
-        Role::GripDisplacement => &[Role::GripDisplacement],
-        Role::TearFront => &[Role::TearFront],
-        Role::WidthChange => &[Role::WidthChange],
-        _ => &[],
-    }
-}
-
-/// The channel in a sentence.
-fn spoken(role: Role) -> &'static str {
-    match role {
-        Role::Time => "time",
-        Role::Displacement => "displacement",
-        Role::Force => "force",
-        Role::Strain => "strain",
-        Role::Stretch => "stretch",
-        Role::Stress => "stress",
-        Role::GripDisplacement => "clamps' displacement",
-        Role::TearFront => "tear's front",
-        Role::WidthChange => "change of width",
-        Role::Segment => "segment",
-    }
 }

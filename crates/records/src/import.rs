@@ -2,19 +2,20 @@
 
 use crate::bytes::{self, Content};
 use crate::choices::Choices;
-use crate::columns::{Assigner, Column, Understood};
-use crate::dialects::{self, Hints};
+use crate::columns::{Column, Understood};
+use crate::dialects;
 use crate::encoding;
 use crate::error::{Fault, ImportError, Question};
 use crate::faults::{self, Found};
 use crate::geometry::Geometry;
 use crate::header::{self, Said};
+use crate::inspect::inspect;
 use crate::layout::{self, Block, FEWEST};
-use crate::number::Locale;
 use crate::physics::{self, Proposal};
 use crate::reduce::{self, Reduction};
 use crate::rows::{self, Rows};
 use crate::sniff;
+use crate::table::{Trouble, locale, table};
 use crate::text::Text;
 use crate::workbook::{self, Unopened};
 use crate::{noise, output};
@@ -251,104 +252,6 @@ fn no_table() -> String {
     "no table of numbers in this text; expected rows of time, displacement and force".into()
 }
 
-enum Trouble {
-    None,
-    Ask(Vec<Question>),
-    Wrong(Vec<Fault>),
-}
-
-/// The table that is the record: the longest of those whose names can be it, with its columns.
-fn table<'a>(
-    text: &Text,
-    delimiter: char,
-    blocks: &'a [Block],
-    choices: &Choices,
-    hints: &Hints,
-) -> Result<(&'a Block, Vec<Column>), Trouble> {
-    let longest = |named: bool| {
-        blocks
-            .iter()
-            .filter(|b| !named || with(text, delimiter, b, choices, hints, |a| a.has_names()))
-            .max_by_key(|b| b.count)
-    };
-    let block = longest(true).or_else(|| longest(false)).ok_or(Trouble::None)?;
-    let names = block.names.iter().filter(|n| !n.is_empty()).count();
-    if delimiter == ',' && names >= 2 && block.width == 2 * names {
-        return Err(Trouble::Wrong(vec![Fault {
-            row: Some(block.rows.start + 1),
-            column: None,
-            message: format!(
-                "{names} names, but {} cells a row: commas both between cells and in numbers",
-                block.width
-            ),
-            remedy: "export with semicolons or tabs between cells, or with decimal points".into(),
-        }]));
-    }
-    let columns = with(text, delimiter, block, choices, hints, |a| a.assign());
-    columns.map(|c| (block, c)).map_err(|open| {
-        // Flags that do not fit come first: their mending may settle the questions.
-        if open.faults.is_empty() { Trouble::Ask(open.questions) } else { Trouble::Wrong(open.faults) }
-    })
-}
-
-/// An assigner for a table, which may ask for its cells.
-fn with<T>(
-    text: &Text,
-    delimiter: char,
-    block: &Block,
-    choices: &Choices,
-    hints: &Hints,
-    then: impl FnOnce(&Assigner<'_>) -> T,
-) -> T {
-    let cell = |k: usize, i: usize, ranges: &mut Vec<std::ops::Range<usize>>| {
-        let line = text.cells(k, delimiter, ranges);
-        ranges.get(i).map_or(String::new(), |r| line[r.clone()].to_owned())
-    };
-    let lines = || block.rows.clone().filter(|k| !text.line(*k).trim().is_empty());
-    let constant = |i: usize| {
-        let mut ranges = Vec::new();
-        let mut cells = lines().map(|k| cell(k, i, &mut ranges));
-        let first = cells.next();
-        cells.all(|c| Some(&c) == first.as_ref())
-    };
-    let same = |i: usize, j: usize| {
-        let mut ranges = Vec::new();
-        i == j || lines().all(|k| cell(k, i, &mut ranges) == cell(k, j, &mut ranges))
-    };
-    then(&Assigner { block, choices, hints, same: &same, constant: &constant })
-}
-
-/// The decimal mark: said, declared, or counted over all cells that are used.
-fn locale(
-    text: &Text,
-    delimiter: char,
-    blocks: &[&Block],
-    columns: &[Column],
-    choices: &Choices,
-    hints: &Hints,
-) -> Result<(Locale, String), Question> {
-    if let Some(decimal) = choices.decimal {
-        return Ok((Locale { decimal }, "said".into()));
-    }
-    if let Some(decimal) = hints.decimal {
-        return Ok((Locale { decimal }, "the file's own rule".into()));
-    }
-    let mut marks = sniff::Marks::default();
-    let mut ranges = Vec::new();
-    for k in blocks.iter().flat_map(|b| b.rows.clone()) {
-        let line = text.cells(k, delimiter, &mut ranges);
-        for column in columns.iter().filter(|c| c.role.measure().is_some()) {
-            if let Some(r) = ranges.get(column.index) {
-                marks.add(&line[r.clone()]);
-            }
-        }
-    }
-    let decided = marks.decide(delimiter)?;
-    Ok(decided.map_or((Locale { decimal: '.' }, "no number has a mark".into()), |(decimal, why)| {
-        (Locale { decimal }, why)
-    }))
-}
-
 /// Tables without named segments are segments themselves.
 fn by_table(rows: &mut Rows, tables: usize) {
     if tables > 1 && rows.label.is_empty() && tables < 2000 {
@@ -363,7 +266,7 @@ fn test(mut rows: Rows, choices: &Choices) -> Result<Test, Vec<Fault>> {
         vec![Fault { row: row.map(|r| r as usize), column: None, message, remedy: remedy.into() }]
     };
     let mut found = Vec::new();
-    faults::inspect(&mut rows, choices, &mut found);
+    inspect(&mut rows, choices, &mut found);
     let first = rows.row.first().copied();
     if rows.len() < FEWEST {
         let message = format!("{} rows are left; expected at least {FEWEST}", rows.len());

@@ -59,6 +59,15 @@ pub(crate) fn corners(t: &[f64], x: &[f64], tolerance: f64, most: usize) -> Vec<
     }
     out.sort_unstable();
     out.dedup();
+    // The first corners were chosen on long chords: on a plateau anywhere. Those that later ones made needless go.
+    let mut k = 1;
+    while k + 1 < out.len() {
+        if Piece::new(t, x, out[k - 1], out[k + 1]).deviation <= tolerance {
+            out.remove(k);
+        } else {
+            k += 1;
+        }
+    }
     out
 }
 
@@ -80,6 +89,9 @@ mod tests {
         };
         let x: Vec<f64> =
             t.iter().enumerate().map(|(i, t)| path(*t) + 0.01 * (i as f64 * 1.7).sin()).collect();
+        let mut x = x;
+        // A plateau's highest value is no corner.
+        x[170] += 0.05;
         assert_eq!(corners(&t, &x, 0.2, 50), [0, 100, 250, 399]);
         assert_eq!(corners(&t, &x, 0.2, 3).len(), 3);
     }

@@ -34,8 +34,9 @@ pub(crate) fn reduce(full: &Rows, points: usize) -> Option<(Rows, Reduction)> {
         return None;
     }
     let corners = all_corners(full, points);
-    let size = (n / points).max(1);
-    let windows = windows(full, &corners, points.saturating_sub(corners.len()), size);
+    let legs = Legs::new(full, &corners, points.saturating_sub(corners.len()));
+    let size = legs.size(full, points);
+    let windows = legs.windows(full, size);
     let mut out = Rows {
         labels: full.labels.clone(),
         camera: full.camera.clone().map(|c| c.map(|_| Vec::new())),
@@ -63,8 +64,13 @@ pub(crate) fn reduce(full: &Rows, points: usize) -> Option<(Rows, Reduction)> {
 fn all_corners(full: &Rows, points: usize) -> Vec<usize> {
     let (t, u, f) = (&full.time, &full.displacement, &full.force);
     let tolerance = |x: &[f64], noises: f64, share: f64| (noises * noise::sd(x)).max(share * range(x));
+    let drop = tolerance(f, 8.0, 0.02);
     let mut all = corners(t, u, tolerance(u, 6.0, 2e-3), points / 3);
-    all.extend(corners(t, f, tolerance(f, 8.0, 0.02), points / 8));
+    // A smooth force needs no corners: its means follow it. What drops within a mean or two does.
+    let breaks = corners(t, f, drop, points / 8);
+    let size = (full.len() / points.max(1)).max(1);
+    let sharp = |w: &[usize]| w[1] - w[0] <= 2 * size && (f[w[1]] - f[w[0]]).abs() > drop;
+    all.extend(breaks.windows(2).filter(|w| sharp(w)).flatten());
     let changes = full.label.windows(2).enumerate().filter(|(_, w)| w[0] != w[1]).map(|(i, _)| i);
     // Both sides of a change; many short segments would leave nothing for what is inside them.
     all.extend(changes.take(points / 8).flat_map(|i| [i, i + 1]));
@@ -73,34 +79,55 @@ fn all_corners(full: &Rows, points: usize) -> Vec<usize> {
     all
 }
 
-/// The rows of each mean, in order, none across a corner.
-fn windows(full: &Rows, corners: &[usize], points: usize, size: usize) -> Vec<Range<usize>> {
-    let (t, u, f) = (&full.time, &full.displacement, &full.force);
-    let legs: Vec<(usize, usize)> = corners.windows(2).map(|w| (w[0], w[1])).collect();
-    let speed = |(a, b): (usize, usize)| (u[b] - u[a]).abs() / (t[b] - t[a]).max(f64::MIN_POSITIVE);
-    let large = |(a, b): &(usize, usize)| (u[*b] - u[*a]).abs() > 0.05 * range(u);
-    let fastest = legs.iter().filter(|l| large(l)).map(|l| speed(*l)).fold(0.0, f64::max);
-    let holds: Vec<bool> = legs.iter().map(|l| speed(*l) < STANDING * fastest).collect();
-    let standing = holds.iter().filter(|h| **h).count();
-    let for_holds = (standing * HOLD).min(points * 3 / 10);
-    let for_legs = points - for_holds;
-    let (path, work): (f64, f64) = legs
-        .iter()
-        .zip(&holds)
-        .filter(|(_, hold)| !**hold)
-        .fold((0.0, 0.0), |(p, w), (&(a, b), _)| (p + (u[b] - u[a]).abs(), w + (f[b] - f[a]).abs()));
-    let share = |part: f64, all: f64| if all > 0.0 { part / all } else { 0.0 };
-    let mut out = Vec::new();
-    for (&(a, b), hold) in legs.iter().zip(&holds) {
-        let inside = a + 1..b;
-        if *hold {
-            out.extend(log_spaced(inside, (for_holds / standing.max(1)).max(1), size));
-        } else {
-            let weight = 0.5 * share((u[b] - u[a]).abs(), path) + 0.5 * share((f[b] - f[a]).abs(), work);
-            out.extend(evenly(inside, (for_legs as f64 * weight).round() as usize, size));
-        }
+/// What lies between corners: motions and holds, and how many points either get.
+struct Legs {
+    /// First and last corner, and whether the actuator stands.
+    legs: Vec<(usize, usize, bool)>,
+    for_each_hold: usize,
+    for_motions: usize,
+}
+
+impl Legs {
+    fn new(full: &Rows, corners: &[usize], points: usize) -> Self {
+        let (t, u) = (&full.time, &full.displacement);
+        let speed = |a: usize, b: usize| (u[b] - u[a]).abs() / (t[b] - t[a]).max(f64::MIN_POSITIVE);
+        let large = |a: usize, b: usize| (u[b] - u[a]).abs() > 0.05 * range(u);
+        let pairs = || corners.windows(2).map(|w| (w[0], w[1]));
+        let fastest = pairs().filter(|&(a, b)| large(a, b)).map(|(a, b)| speed(a, b)).fold(0.0, f64::max);
+        let legs: Vec<_> = pairs().map(|(a, b)| (a, b, speed(a, b) < STANDING * fastest)).collect();
+        let holds = legs.iter().filter(|l| l.2).count();
+        let for_holds = (holds * HOLD).min(points * 3 / 10);
+        Self { legs, for_each_hold: (for_holds / holds.max(1)).max(1), for_motions: points - for_holds }
     }
-    out
+
+    /// Rows of a mean: as many as fill the motions, not fewer than a quarter of an even share of all rows.
+    fn size(&self, full: &Rows, points: usize) -> usize {
+        let moving: usize = self.legs.iter().filter(|l| !l.2).map(|l| l.1 - l.0).sum();
+        let even = full.len() / points.max(1);
+        (moving / self.for_motions.max(1)).clamp(even / 4, even).max(1)
+    }
+
+    /// The rows of each mean, in order, none across a corner.
+    fn windows(&self, full: &Rows, size: usize) -> Vec<Range<usize>> {
+        let (u, f) = (&full.displacement, &full.force);
+        let (path, work): (f64, f64) = self
+            .legs
+            .iter()
+            .filter(|l| !l.2)
+            .fold((0.0, 0.0), |(p, w), l| (p + (u[l.1] - u[l.0]).abs(), w + (f[l.1] - f[l.0]).abs()));
+        let share = |part: f64, all: f64| if all > 0.0 { part / all } else { 0.0 };
+        let mut out = Vec::new();
+        for &(a, b, hold) in &self.legs {
+            let inside = a + 1..b;
+            if hold {
+                out.extend(log_spaced(inside, self.for_each_hold, size));
+            } else {
+                let weight = 0.5 * share((u[b] - u[a]).abs(), path) + 0.5 * share((f[b] - f[a]).abs(), work);
+                out.extend(evenly(inside, (self.for_motions as f64 * weight).round() as usize, size));
+            }
+        }
+        out
+    }
 }
 
 /// At most `count` windows of `size` rows, evenly over a leg.

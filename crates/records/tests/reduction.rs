@@ -57,13 +57,13 @@ fn points_keep_turns_and_average_the_rest() {
     assert!(points.time.windows(2).all(|w| w[1] > w[0]));
     // Turns and the ends of the hold are rows of the file.
     for corner in [0.0, 40.0, 100.0, 140.0] {
-        let near = points.time.iter().position(|t| (t - corner).abs() < 0.15).expect("a corner");
-        let row = rows.iter().find(|r| r[0] == points.time[near]).expect("a row of the file");
-        assert_eq!(row[1], points.displacement[near]);
+        let is_row = |k: usize| rows.iter().any(|r| r[0] == points.time[k] && r[1] == points.displacement[k]);
+        let near = |k: &usize| (points.time[*k] - corner).abs() < 0.15;
+        assert!((0..points.time.len()).filter(near).any(is_row), "{corner}");
     }
     // The hold is spaced by the logarithm of its time.
     let hold: Vec<f64> = points.time.iter().copied().filter(|t| *t > 40.2 && *t < 99.8).collect();
-    assert!(hold.len() >= 20 && hold.len() <= 60, "{}", hold.len());
+    assert!(hold.len() >= 20 && hold.len() <= 60, "{} {made:?} {hold:?}", hold.len());
     assert!(hold[1] - hold[0] < 0.2 * (hold[hold.len() - 1] - hold[hold.len() - 2]), "{hold:?}");
     // One standard deviation for all points, and it is theirs.
     let declared = test.force_sd_of_points.expect("reduced");
@@ -94,7 +94,7 @@ fn a_tear_stays_sharp() {
     let errors = noise(30_000);
     for i in 0..30_000_i32 {
         let t = f64::from(i) / 100.0;
-        let f = if i < 20_000 { t } else { 40.0 + 0.1 * t };
+        let f = if i < 20_000 { t } else { 10.0 + 0.01 * t };
         let _ = writeln!(text, "{t},{},{}", 0.01 * t, f + 0.1 * errors[i as usize]);
     }
     let read = import("a.csv", text.as_bytes(), &[]).expect("read");

@@ -1,6 +1,7 @@
 //! One record in many dialects: integers in the smallest unit, written as each program writes them.
 #![allow(dead_code)]
 
+pub mod generic;
 pub mod office;
 pub mod variants;
 
@@ -63,7 +64,7 @@ pub fn encoded(text: &str, encoding: &'static Encoding, mark: bool) -> Vec<u8> {
         out.extend(if mark { &b"\xFE\xFF"[..] } else { b"" });
         out.extend(wide(u16::to_be_bytes));
     } else {
-        out.extend(if mark { &b"\xEF\xBB\xBF"[..] } else { b"" });
+        out.extend(if mark && encoding == encoding_rs::UTF_8 { &b"\xEF\xBB\xBF"[..] } else { b"" });
         out.extend(encoding.encode(text).0.as_ref());
     }
     out
