@@ -9,6 +9,7 @@ const MAY_SEE: &[(&str, &[&str])] = &[
     // 0
     ("params", &[]),
     ("mesh", &[]),
+    ("records", &[]),
     // 1
     ("constitutive", &["params"]),
     ("input", &["params"]),
@@ -41,7 +42,10 @@ const MAY_SEE: &[(&str, &[&str])] = &[
         ],
     ),
     // 5
-    ("fct-cli", &["analysis", "diagnose", "effects", "input", "inverse", "model", "params", "report"]),
+    (
+        "fct-cli",
+        &["analysis", "diagnose", "effects", "input", "inverse", "model", "params", "records", "report"],
+    ),
     // See all.
     ("hidden-suite", &["*"]),
     ("workspace-tests", &["*"]),
@@ -150,7 +154,7 @@ fn statistics_know_no_mechanics() {
 #[test]
 fn ground_floor_sees_nothing() {
     let graph = graph();
-    for name in ["params", "mesh"] {
+    for name in ["params", "mesh", "records"] {
         assert!(graph[name].0.is_empty(), "{name}: {:?}", graph[name].0);
     }
 }

@@ -1,7 +1,8 @@
 //! The command line.
 
 use crate::commands::{
-    add, batch, check, compare, diagnose, discover, drop, effects, identify, ladder, new, report, simulate,
+    add, batch, check, compare, diagnose, discover, drop, effects, identify, import, ladder, new, report,
+    simulate,
 };
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -71,6 +72,8 @@ impl From<Format> for input::Figure {
 pub enum Command {
     /// Scaffold a specimen: files, sample records, ready to run
     New(new::Arguments),
+    /// From whatever a testing machine wrote to a record and a specimen
+    Import(Box<import::Arguments>),
     /// Validate a file and print what is resolved, with every default
     Check(check::Arguments),
     /// Forward runs: curves, fields, energy ledger

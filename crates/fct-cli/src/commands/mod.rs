@@ -10,6 +10,7 @@ pub mod drop;
 mod edit;
 pub mod effects;
 pub mod identify;
+pub mod import;
 pub mod ladder;
 pub mod new;
 pub mod report;
@@ -28,6 +29,7 @@ use crate::session::Session;
 pub fn run(command: &Command, session: &Session) -> Result<Outcome, Failure> {
     match command {
         Command::New(a) => new::run(a, session),
+        Command::Import(a) => import::run(a, session),
         Command::Check(a) => check::run(a, session),
         Command::Simulate(a) => simulate::run(a, session),
         Command::Identify(a) => identify::run(a, session),

@@ -4,11 +4,13 @@ mod convergence;
 mod curve;
 mod export;
 mod path;
+mod record;
 mod staircase;
 mod style;
 
 pub(crate) use convergence::shown_parameters;
 pub use export::{ending, export};
+pub use record::{Channels, of_record};
 pub use staircase::figure as staircase;
 
 use crate::answer::IdentifyAnswer;
