@@ -3,6 +3,7 @@
 mod answer;
 mod columns;
 mod compare;
+mod condense;
 mod data;
 mod held_out;
 mod identify;
@@ -21,6 +22,7 @@ pub use columns::{Base, Screened, scales};
 pub use compare::{
     AlongTear, DependsOn, Residuals, Where, along_the_tear, depends_on, located, place_in_words, places,
 };
+pub use condense::condensed;
 pub use data::{Measured, RecordError, Slot};
 pub use held_out::HeldOut;
 pub use identify::{

@@ -16,9 +16,7 @@ fn averages(ar1: f64) -> NoiseModel {
 
 /// Covariance as it is defined.
 fn dense(ar1: f64) -> DMatrix<f64> {
-    DMatrix::from_fn(6, 6, |i, j| {
-        0.04 * SPREAD[i] * SPREAD[j] * ar1.powf((POSITION[i] - POSITION[j]).abs())
-    })
+    DMatrix::from_fn(6, 6, |i, j| 0.04 * SPREAD[i] * SPREAD[j] * ar1.powf((POSITION[i] - POSITION[j]).abs()))
 }
 
 #[test]

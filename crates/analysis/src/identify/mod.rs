@@ -166,6 +166,7 @@ pub fn identify(
     catalogue: &Catalogue,
     control: &Control,
 ) -> Result<Identified, AnalysisError> {
+    let case = crate::condensed(&case);
     let fine = Model::new(case.clone(), catalogue, Discretisation::default())?;
     let coarse = coarse_model(&case, catalogue)?;
     let options = run_options(&case);

@@ -99,6 +99,7 @@ impl<'a> FeLadder<'a> {
 
     fn unfitted(case: Arc<Case>, how: How<'a>) -> Result<Self, AnalysisError> {
         let How { catalogue, policy, progress, cancelled } = how;
+        let case = crate::condensed(&case);
         // The search works on a coarser mesh than the file's.
         let (coarse, mesh) = coarser(&case);
         let fine = Model::new(case.clone(), catalogue, Discretisation::default())?;
