@@ -252,10 +252,18 @@ pub(crate) fn typical(readings: &[usize]) -> f64 {
     sorted.get(sorted.len() / 2).map_or(1.0, |r| *r as f64)
 }
 
-/// Sd of each point in units of that of a point with the usual number of readings.
+/// Sd of each point in units of that of a point with the usual number of readings. Points of more readings than usual are
+/// longer than errors are shared.
 pub(crate) fn spread(readings: &[usize], decay: f64) -> Vec<f64> {
     let typical = typical(readings);
-    readings.iter().map(|r| (*r as f64 / typical).powf(-decay)).collect()
+    let of = |r: f64| if r > 1.0 { r.powf(-0.5) } else { r.powf(-decay) };
+    readings.iter().map(|r| of(*r as f64 / typical)).collect()
+}
+
+/// Readings of each point in units of the usual number.
+pub(crate) fn weights(readings: &[usize]) -> Vec<f64> {
+    let typical = typical(readings);
+    readings.iter().map(|r| *r as f64 / typical).collect()
 }
 
 /// Middle of each point, in units of the usual number of readings.

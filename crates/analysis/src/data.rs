@@ -155,12 +155,14 @@ fn noise_of(
     if let Some(sd) = given {
         return Ok(match averages {
             Some(a) => {
-                NoiseModel { spread: a.spread, position: a.position, ..NoiseModel::white(sd * a.surer) }
+                let white = NoiseModel::white(sd * a.surer);
+                NoiseModel { spread: a.spread, position: a.position, readings: a.readings, ..white }
             }
             None => NoiseModel::white(sd),
         });
     }
-    let (spread, position) = averages.map_or_else(Default::default, |a| (a.spread, a.position));
+    let (spread, position, readings) =
+        averages.map_or_else(Default::default, |a| (a.spread, a.position, a.readings));
     let time: Vec<f64> = rows.iter().map(|&r| record.time[r]).collect();
     let corners = corners_of_record(record);
     let breaks: Vec<usize> =
@@ -173,13 +175,20 @@ fn noise_of(
     let (sd, ar1) =
         if cautious { (estimate.cautious_sd, estimate.cautious_ar1) } else { (estimate.sd, estimate.ar1) };
     let freedom = estimate.freedom();
-    Ok(NoiseModel { freedom, spread, position, ..NoiseModel::ar1(sd.max(1e-6 * peak).max(1e-12), ar1) })
+    Ok(NoiseModel {
+        freedom,
+        spread,
+        position,
+        readings,
+        ..NoiseModel::ar1(sd.max(1e-6 * peak).max(1e-12), ar1)
+    })
 }
 
 /// Weights of points that are averages.
 struct Averaged {
     spread: Vec<f64>,
     position: Vec<f64>,
+    readings: Vec<f64>,
     /// Sd of a point of the usual number of readings, in units of a single reading's.
     surer: f64,
 }
@@ -191,6 +200,7 @@ fn averages_of(record: &input::Record, channel: Channel, rows: &[usize]) -> Opti
     Some(Averaged {
         spread: condense::spread(&readings, averages.decay),
         position: condense::position(&readings),
+        readings: condense::weights(&readings),
         surer: condense::typical(&readings).powf(-averages.decay),
     })
 }

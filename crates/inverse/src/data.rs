@@ -17,6 +17,9 @@ pub struct NoiseModel {
     /// Where each point stands, in units of neighbours' distance, growing: the correlation of two is ar1 to the power of
     /// their distance. Empty: 0, 1, 2, ….
     pub position: Vec<f64>,
+    /// Readings behind each point, in units of the usual number: its weight in a plain sum of squares, which is that over
+    /// all readings then. Empty where all are 1.
+    pub readings: Vec<f64>,
     /// The model's own numerical error: columns e, each with an unknown factor of prior N(0, 1).
     pub nuisance: Vec<DVector<f64>>,
     /// Degrees of freedom that the level was estimated with; infinite where it is given.
@@ -36,6 +39,7 @@ impl NoiseModel {
             ar1,
             spread: Vec::new(),
             position: Vec::new(),
+            readings: Vec::new(),
             nuisance: Vec::new(),
             freedom: f64::INFINITY,
         }
@@ -44,6 +48,11 @@ impl NoiseModel {
     /// Sd of point `i` of the block.
     pub fn sd_of(&self, i: usize) -> f64 {
         self.spread.get(i).map_or(self.sd, |s| s * self.sd)
+    }
+
+    /// Square root of the weight of point `i` of the block in a plain sum of squares.
+    pub fn root_weight(&self, i: usize) -> f64 {
+        self.readings.get(i).map_or(1.0, |n| n.sqrt())
     }
 
     /// Correlation of the points `i` < `j` of the block.
@@ -235,13 +244,14 @@ fn check_block(block: &Block, at: usize) -> Result<(), DataError> {
     if let Some(i) = block.measured.iter().position(|v| !v.is_finite()) {
         return value(format!("measured value {i} is not finite"));
     }
-    for (what, list) in [("spread", &noise.spread), ("position", &noise.position)] {
+    let lists = [("spread", &noise.spread), ("position", &noise.position), ("readings", &noise.readings)];
+    for (what, list) in lists {
         if !list.is_empty() && list.len() != block.range.len() {
             return shape(format!("a {what} of {} for {} points", list.len(), block.range.len()));
         }
     }
-    if noise.spread.iter().any(|s| !(s.is_finite() && *s > 0.0)) {
-        return value("a spread is not a positive number".into());
+    if noise.spread.iter().chain(&noise.readings).any(|s| !(s.is_finite() && *s > 0.0)) {
+        return value("a spread or a number of readings is not positive".into());
     }
     if noise.position.windows(2).any(|p| p[1].is_nan() || p[1] <= p[0]) {
         return value("positions do not grow".into());

@@ -56,7 +56,7 @@ impl Whitener {
                     _ => phi,
                 });
                 weight.push(match noise {
-                    Noise::None => 1.0,
+                    Noise::None => model.root_weight(i - start),
                     _ => 1.0 / (model.sd_of(i - start) * (1.0 - phi * phi).sqrt()),
                 });
                 last = Some(i);
@@ -184,14 +184,18 @@ impl Data {
         if n > 0.0 { (sum / n).sqrt() } else { 1.0 }
     }
 
-    /// Σ·v over the given points, Σ the total covariance (record noise and numerical error).
+    /// W^½ Σ W^½ v over the given points, Σ the total covariance (record noise and numerical error), W the weights of a
+    /// plain sum of squares.
     pub(crate) fn covariance_times(&self, rows: &[usize], v: &DVector<f64>) -> DVector<f64> {
         let mut out = DVector::zeros(rows.len());
+        let mut root = DVector::from_element(rows.len(), 1.0);
         for block in &self.blocks {
             let at: Vec<usize> = (0..rows.len()).filter(|&k| block.range.contains(&rows[k])).collect();
             let (sd2, start) = (block.noise.sd.powi(2), block.range.start);
+            at.iter().for_each(|&k| root[k] = block.noise.root_weight(rows[k] - start));
             let gap = |a: usize, b: usize| block.noise.correlation(rows[a] - start, rows[b] - start);
-            let share = |k: usize| block.noise.spread.get(rows[k] - start).copied().unwrap_or(1.0);
+            let spread = |k: usize| block.noise.spread.get(rows[k] - start).copied().unwrap_or(1.0);
+            let share = |k: usize| root[k] * spread(k);
             let mut forward = 0.0;
             for (n, &k) in at.iter().enumerate() {
                 forward = match n {
@@ -210,7 +214,7 @@ impl Data {
             }
         }
         for e in self.nuisance_columns() {
-            let part = DVector::from_iterator(rows.len(), rows.iter().map(|&i| e[i]));
+            let part = DVector::from_iterator(rows.len(), rows.iter().zip(&root).map(|(&i, w)| w * e[i]));
             let factor = part.dot(v);
             out.axpy(factor, &part, 1.0);
         }
