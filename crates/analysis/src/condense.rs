@@ -39,6 +39,11 @@ pub fn condensed(case: &Arc<Case>) -> Arc<Case> {
     Arc::new(out)
 }
 
+/// Points that a fit sees of a record.
+pub(crate) fn points(record: &Record) -> usize {
+    if record.len() > PLAIN_ROWS { bins(record, &corner_rows(record)).len() } else { record.len() }
+}
+
 /// A point: rows that are averaged, and where the point stands where no mean tells it.
 struct Bin {
     rows: Range<usize>,

@@ -5,6 +5,8 @@ mod columns;
 mod compare;
 mod condense;
 mod data;
+mod design;
+mod doctor;
 mod held_out;
 mod identify;
 mod ladder;
@@ -24,6 +26,8 @@ pub use compare::{
 };
 pub use condense::condensed;
 pub use data::{Measured, RecordError, Slot};
+pub use design::{DesignAnswer, DesignRequest, Foresight, Known, Variant, Weighed, design};
+pub use doctor::{Advice, Doctor, RecordFindings, doctor};
 pub use held_out::HeldOut;
 pub use identify::{
     AnalysisError, Control, HistoryEntry, Identified, Progress, Stage, frees, identify, run_options,

@@ -35,7 +35,8 @@ fn read(folder: &Path, text: &str) -> Case {
 }
 
 fn torn(folder: &Path) -> Simulated {
-    let strip = small::STRIP.replace("data = \"uniaxial.csv\"", "protocol = [{ to_mm = 0.2, rate_mm_per_s = 0.05 }]");
+    let strip =
+        small::STRIP.replace("data = \"uniaxial.csv\"", "protocol = [{ to_mm = 0.2, rate_mm_per_s = 0.05 }]");
     let strip = strip.replace("data = \"tearing.csv\"", "protocol = [{ to_mm = 2.0, rate_mm_per_s = 0.05 }]");
     let control = SimulateControl { progress: &|_, _| {}, cancelled: &|| false };
     let case = read(folder, &format!("{strip}{MODEL}"));
@@ -64,14 +65,15 @@ fn a_right_camera_is_not_punished_before_the_tear_begins() {
         let _ = writeln!(csv, "{t},{u},{f},{front}");
     }
     std::fs::write(folder.path().join("tearing.csv"), csv).expect("written");
-    let strip = small::STRIP.replace("data = \"uniaxial.csv\"", "protocol = [{ to_mm = 0.2, rate_mm_per_s = 0.05 }]");
-    let strip = strip.replace("data = \"tearing.csv\"", &format!("data = \"tearing.csv\"\ntear_front_sd_mm = {SD}"));
+    let strip =
+        small::STRIP.replace("data = \"uniaxial.csv\"", "protocol = [{ to_mm = 0.2, rate_mm_per_s = 0.05 }]");
+    let strip =
+        strip.replace("data = \"tearing.csv\"", &format!("data = \"tearing.csv\"\ntear_front_sd_mm = {SD}"));
     let case = Arc::new(read(folder.path(), &format!("{strip}{MODEL}")));
     let model = Model::new(case.clone(), &effects::catalogue(), Discretisation::default()).expect("a model");
     let measured = Measured::of(&model, &[false, true]).expect("data");
     let go = || false;
-    let problem =
-        FeProblem::new(&model, model.theta(), Vec::new(), &measured.slots, run_options(&case), &go);
+    let problem = FeProblem::new(&model, model.theta(), Vec::new(), &measured.slots, run_options(&case), &go);
     let prediction = problem.predict(&[], false).expect("a run");
     let block = measured.data.blocks.iter().find(|b| b.name == "tearing.tear_front").expect("a camera");
     let white = Whitener::with_points(&measured.data, |i| block.range.contains(&i), Noise::Record);

@@ -7,7 +7,7 @@
 mod begin;
 mod fit;
 mod forms;
-mod next_test;
+pub(crate) mod next_test;
 mod rung;
 mod search;
 
