@@ -1,7 +1,8 @@
 //! The command line.
 
 use crate::commands::{
-    add, batch, check, compare, diagnose, discover, drop, effects, identify, ladder, new, report, simulate,
+    add, batch, check, compare, design, diagnose, discover, drop, effects, identify, ladder, new, report,
+    simulate,
 };
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -68,8 +69,10 @@ impl From<Format> for input::Figure {
 pub enum Command {
     /// Scaffold a specimen: files, sample records, ready to run
     New(new::Arguments),
-    /// Validate a file and print what is resolved, with every default
+    /// Validate a file, print what is resolved with every default, say what its records are good for
     Check(check::Arguments),
+    /// Before the test: which protocol would show which effects, and how well strength would be known
+    Design(design::Arguments),
     /// Forward runs: curves, fields, energy ledger
     Simulate(simulate::Arguments),
     /// The paper's inverse analysis: bulk, then the strength along the tear path
