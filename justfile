@@ -111,3 +111,10 @@ book-html:
 # Changes of the public interface against a revision: what breaks it needs a new minor version before 1.0.
 semver revision="HEAD~1":
     cargo semver-checks --workspace --baseline-rev {{revision}}
+
+# The power that `fct design` promises against noisy repeats, effect by effect; and long records with jitter (minutes each).
+design-power:
+    cargo test -p analysis --lib repeats -- --ignored --nocapture
+
+long-records:
+    cargo test -p analysis --test sampling -- --ignored --nocapture

@@ -5,7 +5,7 @@
 //! of time in holds, never across a corner, a change of the user's segment or a jump of the force. How much surer a mean
 //! is than a row is taken from the record: independent errors average out, slow ones do not.
 
-use diagnose::noise::{Averages as Weights, estimate, estimate_averages};
+use diagnose::noise::{Averages as Weights, NoiseError, NoiseEstimate, estimate, estimate_averages};
 use input::{Averaged, Averages, Case, Record};
 use model::{Channel, Corner, corner_rows};
 use std::ops::Range;
@@ -39,9 +39,21 @@ pub fn condensed(case: &Arc<Case>) -> Arc<Case> {
     Arc::new(out)
 }
 
-/// Points that a fit sees of a record.
-pub(crate) fn points(record: &Record) -> usize {
-    if record.len() > PLAIN_ROWS { bins(record, &corner_rows(record)).len() } else { record.len() }
+/// The noise of the force at the points that a fit sees, and how many they are.
+pub(crate) fn force_noise(
+    record: &Record,
+    corners: &[(usize, Corner)],
+) -> (Result<NoiseEstimate, NoiseError>, usize) {
+    if record.len() <= PLAIN_ROWS {
+        let breaks: Vec<usize> = corners.iter().map(|c| c.0).collect();
+        return (estimate(&record.time, &record.force, &breaks), record.len());
+    }
+    let points = condense(record);
+    let averages = points.averaged.as_ref().map(|a| a.channels[0].clone()).unwrap_or_default();
+    let (spread, position) = (spread(&averages.readings, averages.decay), position(&averages.readings));
+    let weights = Weights { spread: &spread, position: &position };
+    let breaks: Vec<usize> = corners.iter().map(|c| points.time.partition_point(|t| *t < c.1.time)).collect();
+    (estimate_averages(&points.time, &points.force, weights, &breaks), points.len())
 }
 
 /// A point: rows that are averaged, and where the point stands where no mean tells it.

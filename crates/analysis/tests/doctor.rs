@@ -33,7 +33,8 @@ fn examined(folder: &Path, kind: &str, header: &str, rows: &[[f64; 3]]) -> Docto
          [[tests]]\nkind = \"{kind}\"\ndata = \"r.csv\"\n[mesh]\ndivisions = [4, 4, 1]\n"
     );
     std::fs::write(folder.join("c.toml"), text).expect("written");
-    let case: Case = input::read_case(&folder.join("c.toml"), &effects::catalogue()).expect("a readable file");
+    let case: Case =
+        input::read_case(&folder.join("c.toml"), &effects::catalogue()).expect("a readable file");
     doctor(&Arc::new(case), &effects::catalogue(), false, &|| false)
 }
 
@@ -42,7 +43,8 @@ const HEADER: &str = "time_s,displacement_mm,force_N";
 /// Faults that are found once rows were spoilt.
 fn faults(kind: &str, spoil: impl Fn(usize, [f64; 3]) -> [f64; 3]) -> Vec<&'static str> {
     let folder = tempfile::tempdir().expect("a folder");
-    let rows: Vec<[f64; 3]> = good(kind == "tearing").into_iter().enumerate().map(|(i, r)| spoil(i, r)).collect();
+    let rows: Vec<[f64; 3]> =
+        good(kind == "tearing").into_iter().enumerate().map(|(i, r)| spoil(i, r)).collect();
     let d = examined(folder.path(), kind, HEADER, &rows);
     assert!(d.records[0].advice.iter().all(|a| !a.remedy.is_empty()));
     d.records[0].advice.iter().map(|a| a.fault).collect()
@@ -127,7 +129,8 @@ fn a_record_that_does_not_start_at_zero_is_an_error_with_its_remedy() {
     let text = "name = \"x\"\n[geometry]\nlength_mm = 10.0\nwidth_mm = 6.0\nthickness_mm = 0.8\ncut_mm = 1.0\n\
                 [[tests]]\nkind = \"uniaxial\"\ndata = \"r.csv\"\n";
     std::fs::write(folder.path().join("c.toml"), text).expect("written");
-    let faults = input::read_case(&folder.path().join("c.toml"), &effects::catalogue()).expect_err("an offset");
+    let faults =
+        input::read_case(&folder.path().join("c.toml"), &effects::catalogue()).expect_err("an offset");
     let told = faults.to_string();
     assert!(told.contains("starts at 0.3 mm") && told.contains("--zero"), "{told}");
 }

@@ -1,5 +1,7 @@
 //! The answer does not depend on how many rows a record has, nor on the noise of its displacement.
 
+// Records are of its own.
+#[allow(dead_code)]
 mod small;
 
 use analysis::{Control, Identified, SimulateControl, identify, simulate};
@@ -22,7 +24,8 @@ kappa = { value = 0.2, fixed = true }
 gc_N_per_mm = 0.05
 sigma_c_MPa = 0.1
 "#;
-const PULL: &str = "{ to_mm = 0.7, rate_mm_per_s = 0.05 }, { hold_s = 30.0 }, { to_mm = 0.3, rate_mm_per_s = 0.05 }";
+const PULL: &str =
+    "{ to_mm = 0.7, rate_mm_per_s = 0.05 }, { hold_s = 30.0 }, { to_mm = 0.3, rate_mm_per_s = 0.05 }";
 
 fn read(folder: &Path, text: &str) -> Case {
     let file = folder.join("case.toml");
@@ -33,8 +36,14 @@ fn read(folder: &Path, text: &str) -> Case {
 /// Answers of the model: time, displacement and force of both tests.
 fn truth(folder: &Path) -> Vec<Vec<[f64; 3]>> {
     let strip = small::STRIP
-        .replace("data = \"uniaxial.csv\"", &format!("protocol = [{PULL}, {{ to_mm = 1.0, rate_mm_per_s = 0.05 }}]"))
-        .replace("data = \"tearing.csv\"", &format!("protocol = [{PULL}, {{ to_mm = 2.0, rate_mm_per_s = 0.05 }}]"));
+        .replace(
+            "data = \"uniaxial.csv\"",
+            &format!("protocol = [{PULL}, {{ to_mm = 1.0, rate_mm_per_s = 0.05 }}]"),
+        )
+        .replace(
+            "data = \"tearing.csv\"",
+            &format!("protocol = [{PULL}, {{ to_mm = 2.0, rate_mm_per_s = 0.05 }}]"),
+        );
     let case = read(folder, &format!("{strip}{MODEL}[solver]\nstep_mm = 0.01\n"));
     let control = SimulateControl { progress: &|_, _| {}, cancelled: &|| false };
     let run = simulate(Arc::new(case), &effects::catalogue(), &control).expect("a run");
@@ -94,7 +103,12 @@ fn same(clean: &Identified, long: &Identified, what: &str) {
     assert!(points(long) < 1200, "{what}: {} points", points(long));
     let targets = |i: &Identified, t: usize| i.model.plan(t, &i.options).targets.len();
     for t in 0..2 {
-        assert!(targets(long, t).abs_diff(targets(clean, t)) <= 3, "{what}: {} steps for {}", targets(long, t), targets(clean, t));
+        assert!(
+            targets(long, t).abs_diff(targets(clean, t)) <= 3,
+            "{what}: {} steps for {}",
+            targets(long, t),
+            targets(clean, t)
+        );
     }
 }
 

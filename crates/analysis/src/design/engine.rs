@@ -129,6 +129,12 @@ pub(super) fn linear(
 }
 
 impl Linear {
+    /// Free base parameters as a fit sees them, with their values.
+    #[cfg(test)]
+    pub fn base(&self) -> (&[Free], &[f64]) {
+        (&self.frees, &self.theta)
+    }
+
     /// Whitened at the prediction itself: nothing is missed yet. `camera`: camera channels count.
     pub fn white(&self, camera: bool) -> Whitened {
         let mut data = self.measured.data.clone();
@@ -248,6 +254,19 @@ pub(super) fn with_strength(model: &Model, theta: &[f64], share: f64) -> Vec<f64
         }
     }
     theta
+}
+
+/// The case with what its records suggest of the tissue and the tear as start values, where the file gives none.
+pub(super) fn with_guess(case: &Case, catalogue: &Catalogue) -> Result<Case, AnalysisError> {
+    let mut out = case.clone();
+    if case.tests.iter().any(|t| t.record.is_some()) {
+        let (model, _) = model_of(case, catalogue)?;
+        let theta = guessed(&model);
+        out.interface.areas = model.areas();
+        let values = model.free().into_iter().map(|i| (model.parameters[i].path.as_str(), theta[i]));
+        crate::start::start_at(&mut out, values);
+    }
+    Ok(out)
 }
 
 /// The file's values; where it gives none, a tissue that explains the intact strip roughly and a tear of the order of the

@@ -2,6 +2,8 @@
 
 mod engine;
 mod program;
+#[cfg(test)]
+mod repeats;
 
 pub(crate) use engine::foresight_of_records;
 pub use engine::{Foresight, Known};
@@ -12,7 +14,7 @@ use crate::ladder::next_test::extension::{self, Extension};
 use crate::problem::{Cancelled, FeProblem};
 use crate::{Slot, condensed};
 use diagnose::{Foreseen, Policy};
-use engine::{Linear, linear, model_of, options, with_strength};
+use engine::{Linear, linear, model_of, options, with_guess, with_strength};
 use input::{Case, Leg, Record, TestKind};
 use inverse::Problem as _;
 use model::{Catalogue, Channel, Discretisation, Model};
@@ -121,7 +123,8 @@ pub fn design(
         let text = format!("`{missing}` is not in the catalogue; `fct effects` lists it");
         return Err(AnalysisError::Case(text));
     }
-    let table = Table { case: condensed(case), catalogue, cancelled, policy: Policy::default() };
+    let guess = Arc::new(with_guess(&condensed(case), catalogue)?);
+    let table = Table { case: guess, catalogue, cancelled, policy: Policy::default() };
     progress("how far a pull goes, and how large its force gets");
     let (pulls, peaks) = table.pulls()?;
     let noise = table.noise(&peaks, request.noise_n);

@@ -18,6 +18,9 @@ const CLIPPED_TRAVEL: f64 = 5e-3;
 const TORN: f64 = 0.7;
 /// Displacement noise beyond this share of the range is worth a word.
 const JITTER: f64 = 1e-3;
+/// A column bends where its rate changes by more than this share of the usual rate, looked at in so many rows.
+const BENT: f64 = 0.1;
+const BENT_ROWS: usize = 300;
 /// Fewer rows say little of their noise.
 const FEW: usize = 60;
 
@@ -80,15 +83,19 @@ fn say(fault: &'static str, found: String, remedy: impl Into<String>) -> Option<
     Some(Advice { fault, found, remedy: remedy.into() })
 }
 
-/// How far a column is from straight legs in time: the share of rows at which its rate changes, beyond its rounding.
+/// How far a column is from straight legs in time: the share of rows, of a few hundred, at which its rate changes beyond
+/// its rounding.
 fn bent(t: &[f64], v: &[f64]) -> f64 {
+    let every = v.len().div_ceil(BENT_ROWS);
+    let thin = |v: &[f64]| v.iter().copied().step_by(every).collect::<Vec<f64>>();
+    let (t, v) = (thin(t), thin(v));
     let (low, high) = v.iter().fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
     let rate = |i: usize| (v[i + 1] - v[i]) / (t[i + 1] - t[i]);
     let typical = usual((0..v.len() - 1).map(|i| rate(i).abs()));
     let floor = 1e-5 * (high - low);
     let changes = (1..v.len() - 1).filter(|&i| {
         let miss = (rate(i) - rate(i - 1)).abs();
-        miss > 0.02 * typical && miss * (t[i + 1] - t[i]) > floor
+        miss > BENT * typical && miss * (t[i + 1] - t[i]) > floor
     });
     changes.count() as f64 / v.len() as f64
 }

@@ -6,7 +6,6 @@ mod motion;
 
 use crate::design::{Foresight, foresight_of_records};
 use crate::problem::Cancelled;
-use diagnose::noise::estimate;
 use input::{Case, Geometry, Record, Test};
 use model::{Catalogue, corner_rows, encoder_noise};
 use motion::Motion;
@@ -40,10 +39,11 @@ pub struct RecordFindings {
     /// Largest force, N.
     #[serde(rename = "peak_N")]
     pub peak_n: f64,
-    /// Sd of one row's force, N; none where it cannot be estimated.
+    /// Sd of the force at a point that a fit uses (the mean of several rows in a long record), N; none where it cannot be
+    /// estimated.
     #[serde(rename = "noise_N")]
     pub noise_n: Option<f64>,
-    /// Correlation of the noise of neighbouring rows.
+    /// Correlation of the noise of neighbouring points.
     pub noise_correlation: Option<f64>,
     /// Why there is no estimate.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -90,12 +90,11 @@ pub fn doctor(case: &Arc<Case>, catalogue: &Catalogue, with_model: bool, cancell
 
 fn examined(test: &Test, record: &Record, geometry: &Geometry) -> RecordFindings {
     let corners = corner_rows(record);
-    let breaks: Vec<usize> = corners.iter().map(|c| c.0).collect();
-    let noise = estimate(&record.time, &record.force, &breaks);
+    let (noise, points) = crate::condense::force_noise(record, &corners);
     let mut findings = RecordFindings {
         test: test.name.clone(),
         rows: record.len(),
-        points: crate::condense::points(record),
+        points,
         interval_s: faults::usual(record.time.windows(2).map(|w| w[1] - w[0])),
         duration_s: record.time[record.len() - 1] - record.time[0],
         peak_n: record.force.iter().fold(0.0f64, |m, f| m.max(f.abs())),

@@ -59,10 +59,15 @@ pub fn corner_rows(record: &Record) -> Vec<At> {
         return (0..n).map(|i| (i, Corner { time: t[i], displacement: u[i] })).collect();
     }
     let travel: f64 = u.windows(2).map(|w| (w[1] - w[0]).abs()).sum();
-    if n > PLAIN_ROWS || encoder_noise(t, u) > NOISY * travel / (n - 1) as f64 {
-        return simplified(t, u);
+    if n <= PLAIN_ROWS && encoder_noise(t, u) <= NOISY * travel / (n - 1) as f64 {
+        return plain(t, u);
     }
-    plain(t, u)
+    let corners = simplified(t, u);
+    // One leg has no corner that its noise could move: its ends stay what was measured.
+    if n <= PLAIN_ROWS && corners.len() == 2 && u[0] == 0.0 {
+        return [0, n - 1].map(|i| (i, Corner { time: t[i], displacement: u[i] })).to_vec();
+    }
+    corners
 }
 
 /// Corners of a clean record, exactly at its rows.
