@@ -120,3 +120,9 @@ semver revision="HEAD~1":
 hostile:
     FCT_HOSTILE=all cargo test -p fct-cli --test hostile --test command_lines -- --nocapture
     FCT_ALL=1 cargo test -p workspace-tests --test every_number -- --nocapture
+# The power that `fct design` promises against noisy repeats, effect by effect; and long records with jitter (minutes each).
+design-power:
+    cargo test -p analysis --lib repeats -- --ignored --nocapture
+
+long-records:
+    cargo test -p analysis --test sampling -- --ignored --nocapture

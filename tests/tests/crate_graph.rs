@@ -24,7 +24,10 @@ const MAY_SEE: &[(&str, &[&str])] = &[
     ("model", &["cohesive", "constitutive", "fem", "hgo", "input", "inverse", "mesh", "params"]),
     // 4
     ("effects", &["cohesive", "constitutive", "hgo", "input", "model", "params"]),
-    ("analysis", &["constitutive", "diagnose", "evidence", "fem", "hgo", "input", "inverse", "model", "params"]),
+    (
+        "analysis",
+        &["constitutive", "diagnose", "evidence", "fem", "hgo", "input", "inverse", "model", "params"],
+    ),
     // cohesive, constitutive, fem: the fields it writes (stress, damage) are computed from states.
     (
         "report",

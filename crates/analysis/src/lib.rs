@@ -3,7 +3,10 @@
 mod answer;
 mod columns;
 mod compare;
+mod condense;
 mod data;
+mod design;
+mod doctor;
 mod held_out;
 mod identify;
 mod journal;
@@ -23,7 +26,10 @@ pub use columns::{Base, Screened, scales};
 pub use compare::{
     AlongTear, DependsOn, Residuals, Where, along_the_tear, depends_on, located, place_in_words, places,
 };
+pub use condense::condensed;
 pub use data::{Measured, RecordError, Slot};
+pub use design::{DesignAnswer, DesignRequest, Foresight, Known, Variant, Weighed, design};
+pub use doctor::{Advice, Doctor, RecordFindings, doctor};
 pub use held_out::HeldOut;
 pub use identify::{
     AnalysisError, Control, HistoryEntry, Identified, Progress, Stage, frees, identify, run_options,

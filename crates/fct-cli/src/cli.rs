@@ -1,8 +1,8 @@
 //! The command line.
 
 use crate::commands::{
-    add, batch, check, compare, diagnose, discover, drop, effects, identify, import, ladder, new, report,
-    simulate,
+    add, batch, check, compare, design, diagnose, discover, drop, effects, identify, import, ladder, new,
+    report, simulate,
 };
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -74,8 +74,10 @@ pub enum Command {
     New(new::Arguments),
     /// From whatever a testing machine wrote to a record and a specimen
     Import(Box<import::Arguments>),
-    /// Validate a file and print what is resolved, with every default
+    /// Validate a file, print what is resolved with every default, say what its records are good for
     Check(check::Arguments),
+    /// Before the test: which protocol would show which effects, and how well strength would be known
+    Design(design::Arguments),
     /// Forward runs: curves, fields, energy ledger
     Simulate(simulate::Arguments),
     /// The paper's inverse analysis: bulk, then the strength along the tear path

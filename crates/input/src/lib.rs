@@ -45,7 +45,7 @@ mod text;
 mod units;
 mod write;
 
-pub use case::{Case, Ends, Geometry, Grips, Leg, Location, Record, Test, TestKind};
+pub use case::{Averaged, Averages, Case, Ends, Geometry, Grips, Leg, Location, Record, Test, TestKind};
 pub use config::{
     BulkConfig, Control, EffectConfig, FibreInvariants, Figure, IdentifyConfig, Integration, InterfaceConfig,
     MeshConfig, Mode, OptionValue, OutputConfig, Prior, PriorsConfig, Profile, SolverConfig, Symmetry, Value,

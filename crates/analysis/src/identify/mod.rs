@@ -170,6 +170,7 @@ pub fn identify(
     catalogue: &Catalogue,
     control: &Control,
 ) -> Result<Identified, AnalysisError> {
+    let case = crate::condensed(&case);
     let fine = Model::checked(case.clone(), catalogue, Discretisation::default(), Purpose::Fit)?;
     let coarse = coarse_model(&case, catalogue)?;
     let options = run_options(&case);

@@ -68,7 +68,8 @@ impl TearMisfit {
         let mut left = Self::default();
         for (slot, block) in measured.slots.iter().zip(&measured.data.blocks) {
             if model.tests[slot.test].test.kind == TestKind::Tearing && slot.channel == Channel::Force {
-                left.chi2 += block.range.clone().map(|i| (misfit[i] / block.noise.sd).powi(2)).sum::<f64>();
+                let own = |i: usize| (misfit[i] / block.noise.sd_of(i - block.range.start)).powi(2);
+                left.chi2 += block.range.clone().map(own).sum::<f64>();
                 left.points += block.range.len() as f64;
             }
         }

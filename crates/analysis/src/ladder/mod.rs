@@ -7,7 +7,7 @@
 mod begin;
 mod fit;
 mod forms;
-mod next_test;
+pub(crate) mod next_test;
 mod rung;
 mod search;
 
@@ -102,6 +102,7 @@ impl<'a> FeLadder<'a> {
 
     fn unfitted(case: Arc<Case>, how: How<'a>) -> Result<Self, AnalysisError> {
         let How { catalogue, policy, progress, cancelled, journal } = how;
+        let case = crate::condensed(&case);
         // The search works on a coarser mesh than the file's.
         let (coarse, mesh) = coarser(&case);
         let fine = Model::checked(case.clone(), catalogue, Discretisation::default(), Purpose::Fit)?;

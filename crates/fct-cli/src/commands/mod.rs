@@ -4,6 +4,7 @@ pub mod add;
 pub mod batch;
 pub mod check;
 pub mod compare;
+pub mod design;
 pub mod diagnose;
 pub mod discover;
 pub mod drop;
@@ -33,6 +34,7 @@ pub fn run(command: &Command, session: &Session) -> Result<Outcome, Failure> {
         Command::Check(a) => check::run(a, session),
         Command::Simulate(a) => simulate::run(a, session),
         Command::Identify(a) => identify::run(a, session),
+        Command::Design(a) => design::run(a, session),
         Command::Compare(a) => compare::run(a, session),
         Command::Diagnose(a) => diagnose::run(a, session),
         Command::Add(a) => add::run(a, session),

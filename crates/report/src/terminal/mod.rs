@@ -1,15 +1,19 @@
 //! What is printed on a terminal: tables of at most 100 columns and small plots.
 
 mod compare;
+mod design;
 mod discover;
+mod doctor;
 mod identify;
 mod overview;
 mod plot;
 mod simulate;
 
 pub use compare::compare;
+pub use design::design;
 pub(crate) use discover::chance;
 pub use discover::discover;
+pub use doctor::doctor_lines;
 pub use identify::identify;
 pub(crate) use identify::{SLOPPY_SHOWN, interval, remark};
 pub(crate) use overview::mean_sd;
