@@ -53,4 +53,5 @@ pub use keys::{Fallback, Key, Kind, Limits, keys};
 pub use read::read_case;
 pub use registry::{EffectRegistry, NoEffects, OptionKind, OptionSpec};
 pub use schema::json_schema;
+pub use text::visible;
 pub use write::{resolved_toml, resolved_toml_with};

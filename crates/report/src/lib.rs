@@ -15,6 +15,7 @@ mod published;
 mod rundir;
 mod runs;
 mod search_log;
+mod shell;
 mod store;
 mod synthetic;
 mod tables;
@@ -26,6 +27,7 @@ pub use published::Published;
 pub use rundir::{RunDir, write_atomic};
 pub use runs::{InputFile, RunInfo, StoredRun, inputs_of};
 pub use search_log::SearchLog;
+pub use shell::{quoted, quoted_path};
 pub use store::{
     Partial, figure_files, store_discover, store_identify, store_partial, store_rung, store_simulate,
 };

@@ -5,7 +5,7 @@ use super::view::{Rung, View};
 use super::{code, escape, quoted};
 use crate::answer::ParameterAnswer;
 use crate::peek::{groups, list, number, rows, text, yes};
-use crate::terminal::{chance, interval, readable_unit, significant};
+use crate::terminal::{chance, interval, p_value, readable_unit, significant};
 use serde_json::Value;
 
 /// Segments that are named.
@@ -200,7 +200,9 @@ fn how_sure(v: &View) -> Card {
                 .find(|r| text(r, "effect") == name)
                 .and_then(|r| number(r, "p_value"))
             {
-                facts.push(format!("{}: {} in the score test", escape(&name), p_value(p)));
+                let p = p_value(p);
+                let p = if p.starts_with('<') { format!("p {p}") } else { format!("p = {p}") };
+                facts.push(format!("{}: {} in the score test", escape(&name), escape(&p)));
             }
         }
         if v.run.info.command != "discover" && v.rungs.len() < 2 {
@@ -241,17 +243,6 @@ fn falls(v: &View) -> Vec<String> {
         out.push(format!("held-out misfit {} → {} N rms", significant(a, 3), significant(b, 3)));
     }
     out
-}
-
-/// A p-value; a tail beyond what a double holds is said to be below it.
-pub fn p_value(p: f64) -> String {
-    if p < 1e-99 {
-        "p < 1e-99".into()
-    } else if p < 0.01 {
-        format!("p = {p:.0e}")
-    } else {
-        format!("p = {p:.2}")
-    }
 }
 
 fn run(v: &View) -> String {

@@ -2,7 +2,7 @@
 
 use super::{Cell, document, escape, table};
 use crate::answer::IdentifyAnswer;
-use crate::terminal::{BatchRow, batch_rows, mean_sd, significant};
+use crate::terminal::{BatchRow, batch_rows, mean_in_words, mean_sd, pair, significant};
 use serde_json::{Value, json};
 
 /// A specimen: its answer, and where its own page is, relative to this one.
@@ -37,11 +37,6 @@ pub fn page(specimens: &[Specimen], failed: &[(String, String)]) -> String {
     document("fct batch", &body, &data(&answers))
 }
 
-fn pair(p: Option<[f64; 2]>) -> String {
-    // One value alone has no spread.
-    p.map_or("–".into(), |[m, s]| if s == 0.0 { format!("{m:.3}") } else { format!("{m:.3} ± {s:.3}") })
-}
-
 fn overview(specimens: &[Specimen], rows: &[BatchRow]) -> String {
     let body: String = specimens
         .iter()
@@ -54,7 +49,7 @@ fn overview(specimens: &[Specimen], rows: &[BatchRow]) -> String {
                 pair(r.published_gc_N_per_mm),
                 pair(r.sigma_c_MPa),
                 pair(r.published_sigma_c_MPa),
-                r.not_identifiable.to_string(),
+                r.left_out.len().to_string(),
                 significant(r.reduced_chi2_total, 3),
             ]
             .iter()
@@ -67,27 +62,22 @@ fn overview(specimens: &[Specimen], rows: &[BatchRow]) -> String {
             )
         })
         .collect();
-    let head: String =
-        ["areas", "Gc (N/mm)", "published", "σc (MPa)", "published", "not fixed", "reduced χ²"]
-            .iter()
-            .map(|h| format!("<th class=\"n\">{h}</th>"))
-            .collect();
+    let head: String = ["areas", "Gc (N/mm)", "published", "σc (MPa)", "published", "left out", "reduced χ²"]
+        .iter()
+        .map(|h| format!("<th class=\"n\">{h}</th>"))
+        .collect();
     format!(
         "<div class=\"scroll\"><table><thead><tr><th>specimen</th>{head}<th>explained</th></tr></thead><tbody>\n{body}</tbody></table></div>\n"
     )
 }
 
-/// Mean ± SD of the specimens' means.
+/// Mean ± SD of the means of the specimens that are explained, and what is not in it.
 fn over_all(rows: &[BatchRow]) -> String {
-    let of = |f: &dyn Fn(&BatchRow) -> Option<[f64; 2]>| {
-        pair(mean_sd(&rows.iter().filter_map(|r| f(r).map(|p| p[0])).collect::<Vec<f64>>()))
-    };
-    format!(
-        "<p>Over the {} specimens (mean ± SD of their means): Gc <b>{} N/mm</b>, σc <b>{} MPa</b>.</p>\n",
-        rows.len(),
-        of(&|r| r.gc_N_per_mm),
-        of(&|r| r.sigma_c_MPa)
-    )
+    let (mean, left_out) = mean_in_words(rows);
+    let left_out: String = left_out.iter().map(|l| format!("<li>{}</li>\n", escape(l))).collect();
+    let left_out =
+        if left_out.is_empty() { left_out } else { format!("<ul class=\"muted\">\n{left_out}</ul>\n") };
+    format!("<p><b>{}</b></p>\n{left_out}", escape(&mean))
 }
 
 fn bulk(answers: &[IdentifyAnswer]) -> String {

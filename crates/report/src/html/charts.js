@@ -96,6 +96,15 @@ function nearest(u, xs, columns) {
   return best;
 }
 
+// An entry of a legend. Names come from files: they are put on the page as text, never as markup.
+function chip(colour, text, round) {
+  const entry = document.createElement("span"), mark = document.createElement("i");
+  mark.style.background = colour;
+  if (round) mark.style.borderRadius = "50%"; else mark.style.height = "3px";
+  entry.append(mark, text);
+  return entry;
+}
+
 // A pair of scales that zooming changes; double click brings back the whole.
 function zoomable(view, again) {
   return {
@@ -196,9 +205,8 @@ function testChart(figure) {
       part("misfit (N)", narrow ? 150 : 160, [{ data: r, colour: css("--ink"), hidden: true }], view.y["misfit (N)"] || [-most, most], strip, xLabel),
     ];
   }
-  const chip = (c, text, round) => `<span><i style="background:${c};${round ? "border-radius:50%" : "height:3px"}"></i>${text}</span>`;
   const redraw = () => {
-    legend.innerHTML = measured ? chip(css("--record"), "record", true) + chip(css("--model"), "model") + chip(css("--band"), "± 2 sd", true) + kinds.map((k, i) => chip(colour(i), k, true)).join("") : "";
+    legend.replaceChildren(...(measured ? [chip(css("--record"), "record", true), chip(css("--model"), "model"), chip(css("--band"), "± 2 sd", true), ...kinds.map((k, i) => chip(colour(i), k, true))] : []));
     tell(null); draw();
   };
   redraw();

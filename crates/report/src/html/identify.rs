@@ -1,7 +1,7 @@
 //! The page of an identification, a diagnosis or a search.
 
 use super::view::{Rung, View};
-use super::{answer, chart, escape, ladder, per_rung, picture, tables};
+use super::{answer, chart, escape, ladder, per_rung, strip, tables};
 use crate::published::area;
 
 /// The first screen, then everything it rests on.
@@ -129,12 +129,6 @@ fn energies(v: &View) -> String {
 
 fn pictures(v: &View) -> String {
     let Some(r) = v.current().filter(|r| !r.pictures.is_empty()) else { return String::new() };
-    let all: String = r
-        .pictures
-        .iter()
-        .map(|(test, svg)| {
-            format!("<figure class=\"strip\"><div class=\"scroll\">{}</div><figcaption>{}: the deformed strip at typical points, true scale</figcaption></figure>\n", picture(svg), escape(test))
-        })
-        .collect();
+    let all: String = r.pictures.iter().map(|(test, svg)| strip(test, svg)).collect();
     format!("<section id=\"fields\"><h2>The strip: {}</h2>\n{all}</section>\n", escape(&r.name()))
 }

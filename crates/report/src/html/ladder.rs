@@ -1,10 +1,10 @@
 //! The staircase of rungs, the ranked effects, the residual atlas.
 
-use super::answer::{called, p_value};
+use super::answer::called;
 use super::view::{Rung, View};
-use super::{Cell, escape, per_rung, table};
+use super::{Cell, escape, per_rung, share_class, table};
 use crate::peek::{list, number, rows, text, yes};
-use crate::terminal::significant;
+use crate::terminal::{known, mean_sd, p_value, significant};
 use analysis::Residuals;
 use serde_json::Value;
 
@@ -23,9 +23,9 @@ pub fn staircase(v: &View) -> String {
         "<section id=\"ladder\"><h2>Ladder</h2>\n<p class=\"muted\">Height: rms misfit over all force points (N). Dashed: \
          noise, {} N. Choose a rung: curves, values and tables below follow.</p>\n\
          <div class=\"stairs\" role=\"group\" aria-label=\"rungs of the ladder\">\n\
-         <div class=\"noise\" style=\"--share:{:.4}\" aria-hidden=\"true\"></div>\n{steps}</div>\n{}</section>\n",
+         <div class=\"noise {}\" aria-hidden=\"true\"></div>\n{steps}</div>\n{}</section>\n",
         significant(noise, 3),
-        noise / most,
+        share_class(noise / most),
         ladder_table(v)
     )
 }
@@ -46,10 +46,10 @@ fn step(v: &View, k: usize, r: &Rung, most: f64) -> String {
     };
     format!(
         "<button type=\"button\" class=\"rung\" data-rung=\"{k}\" aria-pressed=\"{}\">\
-         <span class=\"bar\"><span style=\"--share:{:.4}\"></span></span><b>{}</b>\
+         <span class=\"bar\"><span class=\"{}\"></span></span><b>{}</b>\
          <span>{} N</span><span>χ² {}</span></button>\n",
         k == v.shown,
-        r.rms() / most,
+        share_class(r.rms() / most),
         escape(&name),
         significant(r.rms(), 3),
         significant(r.chi2(), 3),
@@ -58,14 +58,7 @@ fn step(v: &View, k: usize, r: &Rung, most: f64) -> String {
 
 fn ladder_table(v: &View) -> String {
     let mean = |r: &Rung, end: &str| {
-        let all: Vec<f64> = r
-            .answer
-            .parameters
-            .iter()
-            .filter(|p| p.path.starts_with("interface.area[") && p.path.ends_with(end))
-            .map(|p| p.value)
-            .collect();
-        if all.is_empty() { "–".into() } else { significant(all.iter().sum::<f64>() / all.len() as f64, 3) }
+        mean_sd(&known(&r.answer, end)).map_or_else(|| "–".into(), |[mean, _]| significant(mean, 3))
     };
     let optional = |x: Option<f64>, digits| x.map_or("–".to_owned(), |x| significant(x, digits));
     let rows = v.rungs.iter().map(|r| {
@@ -127,7 +120,7 @@ fn effect(r: &Value) -> String {
     let p = if yes(r, "refit_only") {
         "refit".into()
     } else {
-        number(r, "p_value").map_or("–".into(), |p| p_value(p).replace("p = ", "").replace("p ", ""))
+        escape(&number(r, "p_value").map_or("–".into(), p_value))
     };
     let dim = if called(r) { "" } else { " class=\"dim\"" };
     let unseen = match (yes(r, "visible"), called(r)) {
@@ -136,9 +129,10 @@ fn effect(r: &Value) -> String {
         (false, false) => " <span class=\"muted\">(not visible here)</span>",
     };
     format!(
-        "<tr{dim}><td><b>{}</b>{unseen}</td><td><span class=\"fall\"><span style=\"--share:{fall:.4}\"></span></span> {:.0} %</td>\
+        "<tr{dim}><td><b>{}</b>{unseen}</td><td><span class=\"fall\"><span class=\"{}\"></span></span> {:.0} %</td>\
          <td class=\"n\">{p}</td><td class=\"wrap\">{}</td><td class=\"wrap words\">{}</td></tr>\n",
         escape(text(r, "effect")),
+        share_class(fall),
         100.0 * fall,
         escape(&list(r, "look_alikes").join(", ")),
         escape(text(r, "sentence")),
