@@ -2,6 +2,7 @@
 
 mod cli;
 mod commands;
+mod flags;
 mod outcome;
 mod progress;
 mod session;
@@ -10,13 +11,14 @@ use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let cli = cli::Cli::parse();
-    let session = match session::Session::new(&cli.common) {
+    let cli = cli::Cli::parse_from(cli::arranged(std::env::args_os()));
+    let common = cli.command.common();
+    let session = match session::Session::new(&common) {
         Ok(session) => session,
-        Err(failure) => return failure.tell(cli.common.json),
+        Err(failure) => return failure.tell(common.json),
     };
     match commands::run(&cli.command, &session) {
-        Ok(outcome) => outcome.tell(cli.common.json),
-        Err(failure) => failure.tell(cli.common.json),
+        Ok(outcome) => outcome.tell(&session),
+        Err(failure) => failure.tell(common.json),
     }
 }

@@ -1,9 +1,11 @@
 //! How a command ends: what goes to stdout, what to stderr, and the exit code.
 
+use crate::session::Session;
 use analysis::AnalysisError;
 use input::Diagnostics;
 use report::ReportError;
 use report::answer::SCHEMA;
+use report::terminal::{Style, printable, printable_json};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::io::Write;
@@ -43,16 +45,16 @@ impl Outcome {
     }
 
     /// Prints the answer.
-    pub fn tell(self, json: bool) -> ExitCode {
-        if json {
-            print(&format!("{}\n", self.json));
+    pub fn tell(self, session: &Session) -> ExitCode {
+        if session.common.json {
+            print(&format!("{}\n", printable_json(&self.json.to_string())));
         } else {
-            print(&self.text);
+            print(&printable(&self.text, session.style()));
         }
         match self.partial {
             None => ExitCode::SUCCESS,
             Some(why) => {
-                eprintln!("fct: {why}");
+                say(&format!("fct: {why}"));
                 ExitCode::from(1)
             }
         }
@@ -71,18 +73,33 @@ impl Failure {
     }
 
     fn new(code: u8, message: String) -> Self {
-        let json = json!({ "schema": SCHEMA, "error": { "code": code, "reason": message } });
+        let json = json!({ "schema": SCHEMA, "error": { "code": code, "reason": bare(&message) } });
         Self { code, message, json }
+    }
+
+    /// The reason without the program's name, to be said inside another sentence.
+    pub fn reason(&self) -> &str {
+        bare(&self.message)
     }
 
     /// Prints the reason.
     pub fn tell(self, json: bool) -> ExitCode {
         if json {
-            print(&format!("{}\n", self.json));
+            print(&format!("{}\n", printable_json(&self.json.to_string())));
         }
-        eprintln!("{}", self.message);
+        say(&self.message);
         ExitCode::from(self.code)
     }
+}
+
+/// A message without the name of the program before it.
+fn bare(message: &str) -> &str {
+    message.strip_prefix("fct: ").unwrap_or(message)
+}
+
+/// A message on stderr, whatever names and files put into it.
+pub fn say(text: &str) {
+    eprintln!("{}", printable(text, Style::new(false, None)));
 }
 
 /// A closed pipe (`fct … | head`) is no fault of the user's.

@@ -99,7 +99,7 @@ impl Session {
     /// A remark on stderr, unless `--quiet`.
     pub fn say(&self, text: &str) {
         if !self.common.quiet {
-            eprintln!("{text}");
+            crate::outcome::say(text);
         }
     }
 
@@ -111,7 +111,8 @@ impl Session {
     /// Colours on stdout?
     pub fn style(&self) -> Style {
         let plain = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
-        Style { colour: std::io::stdout().is_terminal() && !plain && !self.common.json }
+        let colour = std::io::stdout().is_terminal() && !plain && !self.common.json;
+        Style::new(colour, crate::progress::columns())
     }
 
     /// The run directory of a case: `--out`, or `runs/<name>`.

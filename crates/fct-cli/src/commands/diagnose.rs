@@ -6,7 +6,7 @@ use ::report::{StoredRun, html, terminal, write_atomic};
 use std::path::PathBuf;
 
 /// Arguments of `fct diagnose`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// A run directory of `fct identify`, a specimen or a config
     #[arg(value_name = "RUN")]

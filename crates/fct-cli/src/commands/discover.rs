@@ -7,7 +7,7 @@ use ::report::{RunDir, store_discover, terminal};
 use std::path::PathBuf;
 
 /// Arguments of `fct discover`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// A specimen or a config
     #[arg(value_name = "FILE")]

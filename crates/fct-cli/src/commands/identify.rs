@@ -12,7 +12,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// Arguments of `fct identify`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// A specimen or a config
     #[arg(value_name = "FILE")]
@@ -83,7 +83,8 @@ fn interrupted(
     if history.is_empty() {
         return failure;
     }
-    let why = if session.cancelled() { "stopped by the user".to_owned() } else { failure.message.clone() };
+    let why =
+        if session.cancelled() { "stopped by the user".to_owned() } else { failure.reason().to_owned() };
     let partial = Partial::new(case, history, &why);
     let stored = store_partial(&dir, case, &partial, &session.info("identify", case, false))
         .and_then(|()| dir.finish());

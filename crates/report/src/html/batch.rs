@@ -1,7 +1,7 @@
 //! The overview page of a batch: specimens side by side, as the paper's Table 2.
 
 use super::{Cell, document, escape, table};
-use crate::answer::IdentifyAnswer;
+use crate::answer::{IdentifyAnswer, ParameterAnswer};
 use crate::terminal::{BatchRow, batch_rows, mean_in_words, mean_sd, pair, significant};
 use serde_json::{Value, json};
 
@@ -22,15 +22,13 @@ pub fn page(specimens: &[Specimen], failed: &[(String, String)]) -> String {
     let body = format!(
         "<h1>{} specimens{badge}</h1>\n<p class=\"verdict\">{explained} of {} explained by their model{}</p>\n\
          <section id=\"table\"><h2>Mean ± SD over the areas of each specimen</h2>\n{}{}</section>\n\
-         <section><h2>Along the tear path</h2>\n<div class=\"charts\">{}{}</div></section>\n\
-         <section><h2>Bulk</h2>\n{}</section>\n{}",
+         {}<section><h2>Bulk</h2>\n{}</section>\n{}",
         rows.len(),
         rows.len(),
         if failed.is_empty() { String::new() } else { format!(", {} failed", failed.len()) },
         overview(specimens, &rows),
         over_all(&rows),
-        super::chart("batch", "gc", "fracture energy Gc (N/mm) along the path, a line per specimen"),
-        super::chart("batch", "sigma_c", "strength σc (MPa) along the path, a line per specimen"),
+        along(&rows),
         bulk(&answers),
         failures(failed)
     );
@@ -68,6 +66,26 @@ fn overview(specimens: &[Specimen], rows: &[BatchRow]) -> String {
         .collect();
     format!(
         "<div class=\"scroll\"><table><thead><tr><th>specimen</th>{head}<th>explained</th></tr></thead><tbody>\n{body}</tbody></table></div>\n"
+    )
+}
+
+/// Values along the path; of one area each there is nothing to draw.
+fn along(rows: &[BatchRow]) -> String {
+    if rows.iter().all(|r| r.areas < 2) {
+        return String::new();
+    }
+    format!(
+        "<section><h2>Along the tear path</h2>\n<div class=\"charts\">{}{}</div></section>\n",
+        super::chart(
+            "batch",
+            "gc",
+            "fracture energy Gc (N/mm) along the path, where the records fix it; a line per specimen"
+        ),
+        super::chart(
+            "batch",
+            "sigma_c",
+            "strength σc (MPa) along the path, where the records fix it; a line per specimen"
+        )
     )
 }
 
@@ -113,9 +131,11 @@ fn failures(failed: &[(String, String)]) -> String {
 }
 
 fn data(answers: &[IdentifyAnswer]) -> Value {
-    let of = |a: &IdentifyAnswer, end: &str| -> Vec<f64> {
+    // What the records do not fix, or a bound holds, is no value to draw.
+    let value = |p: &ParameterAnswer| (p.identifiable && !p.at_bound).then_some(p.value);
+    let of = |a: &IdentifyAnswer, end: &str| -> Vec<Option<f64>> {
         let areas = a.parameters.iter().filter(|p| p.path.starts_with("interface.area["));
-        areas.filter(|p| p.path.ends_with(end)).map(|p| p.value).collect()
+        areas.filter(|p| p.path.ends_with(end)).map(value).collect()
     };
     let lines: Vec<Value> = answers
         .iter()

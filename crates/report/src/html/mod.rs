@@ -7,6 +7,7 @@ mod answer;
 mod batch;
 mod data;
 mod document;
+mod first;
 mod identify;
 mod ladder;
 mod place;
@@ -20,7 +21,7 @@ pub use view::{Rung, View};
 use document::{document, picture, share_class};
 
 use crate::runs::StoredRun;
-use crate::shell::quoted;
+use crate::shell::quoted_path;
 use crate::{Curve, ReportError};
 use serde_json::Value;
 use std::path::Path;
@@ -94,7 +95,7 @@ fn origin(run: &StoredRun, provenance: &str) -> String {
         table(&["file", "SHA-256 (first 16)"], files),
         escape(&run.info.version),
         escape(&run.info.command),
-        escape(&quoted(&input.display().to_string())),
+        escape(&quoted_path(&input)),
     )
 }
 

@@ -166,7 +166,7 @@ pub(crate) fn mean_in_words(rows: &[BatchRow]) -> (String, Vec<String>) {
         let reasons = ["not identifiable", "at a bound"].map(|why| (count(why), why));
         let reasons: Vec<String> =
             reasons.iter().filter(|(n, _)| *n > 0).map(|(n, why)| format!("{n} {why}")).collect();
-        format!("{}: of its values of Gc and σc {} and in no mean.", r.specimen, reasons.join(", "))
+        format!("{}: values of Gc and σc that are in no mean: {}.", r.specimen, reasons.join(", "))
     });
     let all = specimens.chain(values).collect();
     (mean, all)
