@@ -1,9 +1,11 @@
 //! How a command ends: what goes to stdout, what to stderr, and the exit code.
 
+use crate::session::Session;
 use analysis::AnalysisError;
 use input::Diagnostics;
 use report::ReportError;
 use report::answer::SCHEMA;
+use report::terminal::{Style, printable, printable_json};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::io::{ErrorKind, Write};
@@ -55,8 +57,12 @@ impl Outcome {
     }
 
     /// Prints the answer.
-    pub fn tell(self, json: bool) -> ExitCode {
-        let printed = if json { print(&format!("{}\n", self.json)) } else { print(&self.text) };
+    pub fn tell(self, session: &Session) -> ExitCode {
+        let printed = if session.common.json {
+            print(&format!("{}\n", printable_json(&self.json.to_string())))
+        } else {
+            print(&printable(&self.text, session.style()))
+        };
         match (printed, self.partial) {
             (Ok(()), None) => ExitCode::SUCCESS,
             (Err(e), _) => {
@@ -83,19 +89,30 @@ impl Failure {
     }
 
     fn new(code: u8, message: String) -> Self {
-        let json = json!({ "schema": SCHEMA, "error": { "code": code, "reason": message } });
+        let json = json!({ "schema": SCHEMA, "error": { "code": code, "reason": bare(&message) } });
         Self { code, message, json }
+    }
+
+    /// The reason without the program's name, to be said inside another sentence.
+    pub fn reason(&self) -> &str {
+        bare(&self.message)
     }
 
     /// Prints the reason.
     pub fn tell(self, json: bool) -> ExitCode {
-        let printed = if json { print(&format!("{}\n", self.json)) } else { Ok(()) };
+        let text = |v: &Value| format!("{}\n", printable_json(&v.to_string()));
+        let printed = if json { print(&text(&self.json)) } else { Ok(()) };
         say(&self.message);
         if let Err(e) = printed {
             say(&format!("fct: cannot print the answer: {e}"));
         }
         ExitCode::from(self.code)
     }
+}
+
+/// A message without the name of the program before it.
+fn bare(message: &str) -> &str {
+    message.strip_prefix("fct: ").unwrap_or(message)
 }
 
 /// Prints to stdout. A closed pipe (`fct … | head`) is no fault of the user's; a full disk is one to be told.
@@ -107,9 +124,9 @@ fn print(text: &str) -> std::io::Result<()> {
     }
 }
 
-/// A line on stderr; that nobody reads it is no fault.
+/// A message on stderr, whatever names and files put into it; that nobody reads it is no fault.
 pub fn say(text: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{text}");
+    let _ = writeln!(std::io::stderr().lock(), "{}", printable(text, Style::new(false, None)));
 }
 
 /// Help, version, or what is wrong with the command line.

@@ -128,7 +128,8 @@ impl Session {
     /// Colours on stdout?
     pub fn style(&self) -> Style {
         let plain = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
-        Style { colour: std::io::stdout().is_terminal() && !plain && !self.common.json }
+        let colour = std::io::stdout().is_terminal() && !plain && !self.common.json;
+        Style::new(colour, crate::progress::columns())
     }
 
     /// The run directory of a job: `--out`, or one under `runs` that holds nothing else.

@@ -57,5 +57,5 @@ pub use locate::locate;
 pub use read::{LARGEST_TOML, read_case};
 pub use registry::{EffectRegistry, NoEffects, OptionKind, OptionSpec};
 pub use schema::json_schema;
-pub use text::read_text;
+pub use text::{read_text, visible};
 pub use write::{resolved_toml, resolved_toml_with};

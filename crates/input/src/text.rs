@@ -179,14 +179,18 @@ fn last_chars(text: &str, n: usize) -> &str {
     text.char_indices().rev().nth(n.saturating_sub(1)).map_or(text, |(i, _)| &text[i..])
 }
 
-/// The text with control and direction characters escaped, so that it cannot drive a terminal; tabs become
-/// blanks.
-pub(crate) fn visible(text: &str) -> String {
+/// The text with control and direction characters escaped, so that it can neither drive a terminal nor turn what
+/// stands beside it around; tabs become blanks. Everything of a file's or a user's that is shown goes through here.
+pub fn visible(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
             '\t' => out.push(' '),
-            '\u{200B}'..='\u{200F}' | '\u{2028}'..='\u{202E}' | '\u{2060}'..='\u{206F}' | '\u{FEFF}' => {
+            '\u{061C}'
+            | '\u{200B}'..='\u{200F}'
+            | '\u{2028}'..='\u{202E}'
+            | '\u{2060}'..='\u{206F}'
+            | '\u{FEFF}' => {
                 out.extend(c.escape_unicode());
             }
             c if c.is_control() => out.extend(c.escape_default()),

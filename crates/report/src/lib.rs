@@ -15,6 +15,7 @@ mod published;
 mod rundir;
 mod runs;
 mod search_log;
+mod shell;
 mod store;
 mod synthetic;
 mod tables;
@@ -28,6 +29,7 @@ pub use rundir::{
 };
 pub use runs::{RunInfo, StoredRun};
 pub use search_log::SearchLog;
+pub use shell::{quoted, quoted_path};
 pub use store::{
     Partial, exported, store_discover, store_identify, store_partial, store_rung, store_simulate,
     store_unfinished,

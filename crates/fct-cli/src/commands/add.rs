@@ -1,6 +1,6 @@
 //! `fct add`: a config with an effect added.
 
-use super::edit::{source, write};
+use super::edit::{next, source, write};
 use super::effects::find;
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 
 /// Arguments of `fct add`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// Name of the effect (`fct effects` lists them)
     #[arg(value_name = "EFFECT")]
@@ -65,5 +65,5 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let file = write(&from, &text, &format!("+{}", card.name), session)?;
     let shown = file.display().to_string();
     let json = json!({ "schema": SCHEMA, "file": file, "effect": card.name, "parameters": keys });
-    Outcome::new(&json, format!("{shown}\nnext: fct identify {shown}\n"))
+    Outcome::new(&json, format!("{shown}\nnext: {}\n", next(&from, &file)))
 }

@@ -12,7 +12,7 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `fct batch`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// Specimens or configs
     #[arg(value_name = "FILE", required = true)]
@@ -92,7 +92,8 @@ fn overview(
         name.map_or_else(String::new, |n| format!("{}/report.html", n.to_string_lossy()))
     };
     let specimens: Vec<_> = answers.iter().map(|(a, place)| (a.clone(), link(place))).collect();
-    let failed: Vec<_> = failed.iter().map(|(f, e)| (f.display().to_string(), e.message.clone())).collect();
+    let failed: Vec<_> =
+        failed.iter().map(|(f, e)| (f.display().to_string(), e.reason().to_owned())).collect();
     let page = html::batch_page(&specimens, &failed);
     Ok(write_named(&base.join("batch.html"), page.as_bytes(), session.common.force, html::is_page)?)
 }
@@ -107,11 +108,12 @@ fn tell(
     let mut text = terminal::batch(&rows, session.style());
     text.push('\n');
     for (file, failure) in &failed {
-        text.push_str(&format!("failed: {}: {}\n", file.display(), failure.message));
+        text.push_str(&format!("failed: {}: {}\n", file.display(), failure.reason()));
     }
     let reasons: Vec<_> =
-        failed.iter().map(|(file, f)| json!({ "file": file, "reason": f.message })).collect();
-    let json = json!({ "schema": SCHEMA, "specimens": answers, "failed": reasons, "table": rows });
+        failed.iter().map(|(file, f)| json!({ "file": file, "reason": f.reason() })).collect();
+    let json = json!({ "schema": SCHEMA, "specimens": answers, "failed": reasons, "table": rows,
+        "over_all": terminal::batch_mean(&rows) });
     if answers.is_empty() && failed.iter().all(|f| f.1.code == 2) {
         let message = failed.iter().map(|f| f.1.message.clone()).collect::<Vec<_>>().join("\n");
         return Err(Failure { code: 2, message, json });

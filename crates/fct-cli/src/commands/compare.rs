@@ -8,7 +8,7 @@ use ::report::terminal;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `fct compare`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// A run directory of `fct identify` or `fct discover`; a specimen or a config is identified first
     #[arg(value_name = "RUN")]

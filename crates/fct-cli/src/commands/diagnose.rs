@@ -7,7 +7,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `fct diagnose`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// A run directory of `fct identify`, a specimen or a config
     #[arg(value_name = "RUN")]

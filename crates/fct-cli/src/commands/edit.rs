@@ -2,7 +2,7 @@
 
 use crate::outcome::Failure;
 use crate::session::Session;
-use ::report::{StoredRun, write_atomic, write_named};
+use ::report::{StoredRun, quoted_path, write_atomic, write_named};
 use input::edit::{self, EditError};
 use std::path::{Path, PathBuf};
 
@@ -42,14 +42,25 @@ pub fn write(source: &Source, text: &str, ending: &str, session: &Session) -> Re
         )));
     }
     let fault = |e: EditError| Failure::usage(format!("fct: {}: {e}", source.file.display()));
-    let mut text = edit::rebase(text, folder(&source.file), folder(&out)).map_err(fault)?;
+    let (from, to) = (folder(&source.file), folder(&out));
+    let mut text = edit::rebase(text, from, to, source.run.is_some()).map_err(fault)?;
     if let Some(run) = &source.run {
-        let parent = std::path::absolute(&run.path).unwrap_or_else(|_| run.path.clone());
+        let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let parent = edit::near(&whole(&run.path), &whole(to));
         text = edit::set_parent(&text, &parent.to_string_lossy()).map_err(fault)?;
     }
     validate(&text, &out, session)?;
     write_named(&out, text.as_bytes(), session.common.force, |_| false)?;
     Ok(out)
+}
+
+/// What to do with the written config: identify it, with a run directory of its own; that of its name may hold the run
+/// that it came from.
+pub fn next(source: &Source, file: &Path) -> String {
+    let stem = file.file_stem().map_or_else(|| "run".into(), |n| n.to_string_lossy().into_owned());
+    let beside = source.run.as_deref().and_then(Path::parent).filter(|p| !p.as_os_str().is_empty());
+    let runs = beside.unwrap_or(if source.run.is_some() { Path::new("") } else { Path::new("runs") });
+    format!("fct identify {} --out {}", quoted_path(file), quoted_path(&runs.join(stem)))
 }
 
 /// Reads the changed text as the commands will, from a file beside the one to be written.
@@ -70,7 +81,10 @@ fn folder(file: &Path) -> &Path {
 fn beside(source: &Source, ending: &str) -> PathBuf {
     match &source.run {
         Some(run) => {
-            let run = std::path::absolute(&run.path).unwrap_or_else(|_| run.path.clone());
+            // A run named as `.` or `a/..` has no last name of its own.
+            let run = &run.path;
+            let own = run.file_name().is_some();
+            let run = if own { run.clone() } else { run.canonicalize().unwrap_or_else(|_| run.clone()) };
             let name = run.file_name().map_or_else(|| "run".into(), |n| n.to_string_lossy().into_owned());
             run.with_file_name(format!("{name}{ending}.toml"))
         }

@@ -15,7 +15,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// Arguments of `fct identify`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// A specimen or a config
     #[arg(value_name = "FILE")]
@@ -103,7 +103,8 @@ fn interrupted(
     if history.is_empty() && !session.cancelled() {
         return Failure::from(e);
     }
-    let why = if session.cancelled() { "stopped by the user".to_owned() } else { Failure::from(e).message };
+    let why =
+        if session.cancelled() { "stopped by the user".to_owned() } else { Failure::from(e).reason().to_owned() };
     let partial = Partial::new(case, history, &why);
     let stored = store_partial(&dir, case, &partial, &session.info("identify", case, false))
         .and_then(|()| dir.finish_partial(session.cancelled()));

@@ -8,7 +8,7 @@ use serde_json::json;
 use std::path::PathBuf;
 
 /// Arguments of `fct ladder`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// Run directories of `fct identify` on one specimen
     #[arg(value_name = "RUN", required = true)]

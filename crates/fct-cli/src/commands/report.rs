@@ -8,7 +8,7 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `fct report`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// Run directories; several with --out: one page with their ladder
     #[arg(value_name = "RUN", required = true)]

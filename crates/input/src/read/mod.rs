@@ -66,7 +66,11 @@ fn read(path: &Path, registry: &dyn EffectRegistry, sink: &Sink) -> Option<Case>
     Some(Case {
         name: own_name.or(name).unwrap_or_else(|| stem(path)),
         provenance: top.text("provenance").map(str::to_owned).or(provenance).unwrap_or_default(),
-        parent: top.text("parent").map(str::to_owned),
+        parent: top.text("parent").map(|given| {
+            // Relative to the file, as every path in it.
+            let place = crate::case::absolute(&specimen::resolve(context, given));
+            place.to_string_lossy().into_owned()
+        }),
         specimen_file: specimen_file.filter(|f| !is_config || f != path),
         config_file: is_config.then(|| path.to_owned()),
         mesh: model::mesh(&top, &geometry),

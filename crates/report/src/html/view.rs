@@ -61,6 +61,13 @@ impl Rung {
         (chi2 > diagnose::LEANS).then_some(chi2)
     }
 
+    /// Reduced χ² of the curves and tables shown, where the search judged its own, corrected, run otherwise by more than
+    /// a quarter.
+    pub fn on_the_file_s_mesh(&self) -> Option<f64> {
+        let (own, judged) = (self.answer.reduced_chi2_total, self.number("reduced_chi2_total")?);
+        ((own / judged).ln().abs() > 0.22).then_some(own)
+    }
+
     /// Rms misfit over all force points, N.
     pub fn rms(&self) -> f64 {
         self.number("rms_N").unwrap_or(self.answer.rms_N)
