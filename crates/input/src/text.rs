@@ -16,6 +16,8 @@ pub(crate) struct SourceFile {
     pub path: PathBuf,
     /// Content without a byte-order mark.
     pub text: String,
+    /// SHA-256 of the bytes as they were read; `None` for a text that came from no file.
+    pub sha256: Option<String>,
     line_starts: Vec<usize>,
 }
 
@@ -34,12 +36,14 @@ impl SourceFile {
     pub fn new(path: impl Into<PathBuf>, text: String) -> Self {
         let line_starts =
             std::iter::once(0).chain(text.bytes().enumerate().filter(|b| b.1 == b'\n').map(|b| b.0 + 1));
-        Self { path: path.into(), line_starts: line_starts.collect(), text }
+        Self { path: path.into(), line_starts: line_starts.collect(), text, sha256: None }
     }
 
     /// Reads a file of at most `limit` bytes; `what` names what was expected ("a specimen or config file").
     pub fn read(path: &Path, limit: u64, what: &str) -> Result<Self, Box<Diagnostic>> {
-        Self::from_bytes(path, bytes(path, limit, what)?)
+        let bytes = bytes(path, limit, what)?;
+        let sha256 = crate::inputs::sha256(&bytes);
+        Self::from_bytes(path, bytes).map(|file| Self { sha256: Some(sha256), ..file })
     }
 
     /// Decodes UTF-8, with or without a byte-order mark.
@@ -175,14 +179,18 @@ fn last_chars(text: &str, n: usize) -> &str {
     text.char_indices().rev().nth(n.saturating_sub(1)).map_or(text, |(i, _)| &text[i..])
 }
 
-/// The text with control and direction characters escaped, so that it cannot drive a terminal; tabs become
-/// blanks.
-pub(crate) fn visible(text: &str) -> String {
+/// The text with control and direction characters escaped, so that it can neither drive a terminal nor turn what
+/// stands beside it around; tabs become blanks. Everything of a file's or a user's that is shown goes through here.
+pub fn visible(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
             '\t' => out.push(' '),
-            '\u{200B}'..='\u{200F}' | '\u{2028}'..='\u{202E}' | '\u{2060}'..='\u{206F}' | '\u{FEFF}' => {
+            '\u{061C}'
+            | '\u{200B}'..='\u{200F}'
+            | '\u{2028}'..='\u{202E}'
+            | '\u{2060}'..='\u{206F}'
+            | '\u{FEFF}' => {
                 out.extend(c.escape_unicode());
             }
             c if c.is_control() => out.extend(c.escape_default()),

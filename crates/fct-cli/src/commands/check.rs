@@ -1,9 +1,9 @@
-//! `fct check`: validate, print what is resolved.
+//! `fct check`: validate, print what is resolved, say what the records are good for.
 
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
-use ::report::terminal::wrap;
-use analysis::AnalysisError;
+use ::report::terminal::{doctor_lines, wrap};
+use analysis::{AnalysisError, doctor};
 use input::{Case, resolved_toml};
 use model::cost::{self, Cost, Need, Purpose, RUNS_OF_A_FIT};
 use model::{Discretisation, Model};
@@ -11,14 +11,17 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 
 /// Arguments of `fct check`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// A specimen or a config
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
+    /// Without the model's part: which parameters and effects the records can show (a few seconds)
+    #[arg(long)]
+    pub quick: bool,
 }
 
-/// Reads the file, builds the model, prints the resolved configuration.
+/// Reads the file, builds the model, prints the resolved configuration, examines the records.
 ///
 /// # Errors
 /// Everything that is wrong with the file.
@@ -40,12 +43,15 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
         })
         .collect();
     let free: Vec<&str> = model.free().into_iter().map(|i| model.parameters[i].path.as_str()).collect();
+    let cancelled = || session.cancelled();
+    let doctor = doctor(&case, &session.catalogue, !arguments.quick, &cancelled);
     let answer = json!({
         "schema": ::report::answer::SCHEMA, "specimen": case.name, "provenance": case.provenance,
         "effects": model.effects(), "tests": tests, "free_parameters": free,
-        "warnings": case.warnings, "resolved": resolved, "needs": needs(&cost),
+        "warnings": case.warnings, "resolved": resolved, "needs": needs(&cost), "doctor": doctor,
     });
-    let text = format!("{}{resolved}", heading(&case, &model, &free, &cost));
+    let told = doctor_lines(&doctor).iter().map(|l| format!("# {l}\n")).collect::<String>();
+    let text = format!("{}{resolved}\n{told}", heading(&case, &model, &free, &cost));
     Outcome::new(&answer, text)
 }
 

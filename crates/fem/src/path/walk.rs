@@ -19,7 +19,9 @@ fn rates(m: &March, border: &Border, state: &State) -> [f64; 2] {
         &m.state.history.train,
         &mut scratch,
     );
-    let (_, s_slope) = take_up(m.problem, &m.local.takeup, state.actuator);
+    let old = &m.state.history.train;
+    let at = (state.actuator, Some(m.state.actuator));
+    let (_, s_slope) = take_up(m.problem, &m.local.takeup, at, old, &mut scratch);
     let du_a = (1.0 + e_slope * border.stiffness) / s_slope;
     let dw: f64 = m.system.opening.iter().map(|&(eq, w)| w * border.response[eq]).sum();
     [du_a, dw]

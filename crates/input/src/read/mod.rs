@@ -36,10 +36,10 @@ const SPECIMEN_KEYS: [&str; 4] = ["name", "provenance", "geometry", "tests"];
 pub fn read_case(path: &Path, registry: &dyn EffectRegistry) -> Result<Case, Diagnostics> {
     let sink = Sink::default();
     let case = read(path, registry, &sink);
-    let failed = sink.has_errors();
+    let (failed, inputs) = (sink.has_errors(), sink.files());
     let found = sink.into_sorted();
     match case {
-        Some(case) if !failed => Ok(Case { warnings: found, ..case }),
+        Some(case) if !failed => Ok(Case { warnings: found, inputs, ..case }),
         _ => Err(Diagnostics(found)),
     }
 }
@@ -66,7 +66,11 @@ fn read(path: &Path, registry: &dyn EffectRegistry, sink: &Sink) -> Option<Case>
     Some(Case {
         name: own_name.or(name).unwrap_or_else(|| stem(path)),
         provenance: top.text("provenance").map(str::to_owned).or(provenance).unwrap_or_default(),
-        parent: top.text("parent").map(str::to_owned),
+        parent: top.text("parent").map(|given| {
+            // Relative to the file, as every path in it.
+            let place = crate::case::absolute(&specimen::resolve(context, given));
+            place.to_string_lossy().into_owned()
+        }),
         specimen_file: specimen_file.filter(|f| !is_config || f != path),
         config_file: is_config.then(|| path.to_owned()),
         mesh: model::mesh(&top, &geometry),
@@ -79,6 +83,7 @@ fn read(path: &Path, registry: &dyn EffectRegistry, sink: &Sink) -> Option<Case>
         geometry,
         tests,
         warnings: Vec::new(),
+        inputs: Vec::new(),
     })
 }
 
@@ -136,6 +141,7 @@ fn pointed(top: &Section<'_>) -> Option<Option<(Measured, PathBuf)>> {
             return Some(None);
         }
     };
+    context.sink.was_read(&file);
     let Some(document) = parse(&file, context.sink) else { return Some(None) };
     let inner = Context { file: &file, sink: context.sink };
     let section = Section::open(inner, "the specimen file", 0..0, document.get_ref(), keys::of(""));
@@ -171,7 +177,10 @@ fn load(path: &Path, what: &str, sink: &Sink) -> Option<SourceFile> {
             sink.push(Report::error(format!("the file is empty; expected {what}")).about(path));
             None
         }
-        Ok(file) => Some(file),
+        Ok(file) => {
+            sink.was_read(&file);
+            Some(file)
+        }
         Err(diagnostic) => {
             sink.push(with_directory_help(path, *diagnostic));
             None
