@@ -13,6 +13,8 @@ const MOST: [f64; 3] = [1e13, 1e9, 1e4];
 /// Least time between two rows, s, and least way of the actuator in a record, mm: less is a unit mistake.
 const INSTANT: f64 = 1e-7;
 const LEAST_WAY: f64 = 1e-6;
+/// Largest force, N, of a record in which nothing was pulled.
+const LEAST_FORCE: f64 = 1e-9;
 /// Faults told per record.
 const TOLD: usize = 5;
 /// Rows below which a force that stands alone cannot be told from a peak.
@@ -49,6 +51,11 @@ pub(super) fn sane(file: &SourceFile, sink: &Sink, record: &Record) -> bool {
             .push((0, Report::error(message).key("displacement").help("is the unit of displacement right?")));
     }
     let good = faults.is_empty();
+    let strongest = record.force.iter().fold(0.0f64, |m, f| m.max(f.abs()));
+    if good && strongest < LEAST_FORCE {
+        let message = format!("no force is more than {} N; is the unit of force right?", plain(strongest));
+        sink.push(Report::warning(message).key("force").at(file, line_of(file, 0)));
+    }
     if good {
         warn_of_spikes(file, sink, &record.force);
     }
