@@ -19,11 +19,15 @@ const MAY_SEE: &[(&str, &[&str])] = &[
     ("cohesive", &["constitutive", "params"]),
     ("fem", &["constitutive", "mesh", "params"]),
     ("diagnose", &["inverse", "params"]),
+    ("evidence", &["inverse", "params"]),
     // 3
     ("model", &["cohesive", "constitutive", "fem", "hgo", "input", "inverse", "mesh", "params"]),
     // 4
     ("effects", &["cohesive", "constitutive", "hgo", "input", "model", "params"]),
-    ("analysis", &["constitutive", "diagnose", "fem", "hgo", "input", "inverse", "model", "params"]),
+    (
+        "analysis",
+        &["constitutive", "diagnose", "evidence", "fem", "hgo", "input", "inverse", "model", "params"],
+    ),
     // cohesive, constitutive, fem: the fields it writes (stress, damage) are computed from states.
     (
         "report",
@@ -142,7 +146,7 @@ fn finite_elements_know_no_material() {
 #[test]
 fn statistics_know_no_mechanics() {
     let graph = graph();
-    for name in ["inverse", "diagnose"] {
+    for name in ["inverse", "diagnose", "evidence"] {
         let seen = reaches(&graph, name);
         for mechanics in ["constitutive", "hgo", "cohesive", "mesh", "fem", "model", "effects"] {
             assert!(!seen.contains(mechanics), "{name} reaches {mechanics}");

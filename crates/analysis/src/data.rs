@@ -1,5 +1,6 @@
 //! From records to data: blocks, their noise, the model's numerical error.
 
+use crate::condense;
 use diagnose::NoiseError;
 use inverse::{Data, DataError, NoiseModel};
 use model::{Channel, Model, corners_of_record};
@@ -149,20 +150,57 @@ fn noise_of(
         Channel::TearFront => test.tear_front_sd,
         Channel::WidthChange => test.width_change_sd,
     };
-    if let Some(sd) = given {
-        return Ok(NoiseModel::white(sd));
-    }
     let Some(record) = &test.record else { return Err(RecordError::Empty) };
+    let averages = averages_of(record, channel, rows);
+    if let Some(sd) = given {
+        return Ok(match averages {
+            Some(a) => {
+                let white = NoiseModel::white(sd * a.surer);
+                NoiseModel { spread: a.spread, position: a.position, readings: a.readings, ..white }
+            }
+            None => NoiseModel::white(sd),
+        });
+    }
+    let (spread, position, readings) =
+        averages.map_or_else(Default::default, |a| (a.spread, a.position, a.readings));
     let time: Vec<f64> = rows.iter().map(|&r| record.time[r]).collect();
     let corners = corners_of_record(record);
     let breaks: Vec<usize> =
         corners.iter().filter_map(|c| time.iter().position(|t| (t - c.time).abs() < 1e-9)).collect();
-    let estimate = diagnose::noise::estimate(&time, values, &breaks)
+    let weights = diagnose::noise::Averages { spread: &spread, position: &position };
+    let estimate = diagnose::noise::estimate_averages(&time, values, weights, &breaks)
         .map_err(|source| RecordError::Noise { test: test.name.clone(), channel: channel.word(), source })?;
     // A record without any noise (computed, or rounded) still has the rounding of its digits.
     let peak = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let (sd, ar1) =
         if cautious { (estimate.cautious_sd, estimate.cautious_ar1) } else { (estimate.sd, estimate.ar1) };
     let freedom = estimate.freedom();
-    Ok(NoiseModel { freedom, ..NoiseModel::ar1(sd.max(1e-6 * peak).max(1e-12), ar1) })
+    Ok(NoiseModel {
+        freedom,
+        spread,
+        position,
+        readings,
+        ..NoiseModel::ar1(sd.max(1e-6 * peak).max(1e-12), ar1)
+    })
+}
+
+/// Weights of points that are averages.
+struct Averaged {
+    spread: Vec<f64>,
+    position: Vec<f64>,
+    readings: Vec<f64>,
+    /// Sd of a point of the usual number of readings, in units of a single reading's.
+    surer: f64,
+}
+
+fn averages_of(record: &input::Record, channel: Channel, rows: &[usize]) -> Option<Averaged> {
+    let at = Channel::ALL.iter().position(|c| *c == channel)?;
+    let averages = &record.averaged.as_ref()?.channels[at];
+    let readings = rows.iter().map(|&r| averages.readings.get(r).copied()).collect::<Option<Vec<usize>>>()?;
+    Some(Averaged {
+        spread: condense::spread(&readings, averages.decay),
+        position: condense::position(&readings),
+        readings: condense::weights(&readings),
+        surer: condense::typical(&readings).powf(-averages.decay),
+    })
 }

@@ -40,7 +40,8 @@ pub fn held_out(case: &Case, measured: &Measured, white: &Whitened, at_bound: &[
     let kept: Vec<usize> = (0..j.nrows()).filter(|r| *r >= rows || !mask[white.rows[*r]]).collect();
     let left = unseen(&white.r, &j, &kept, &out)?;
     let sd = |point: usize| {
-        measured.data.blocks.iter().find(|b| b.range.contains(&point)).map_or(1.0, |b| b.noise.sd)
+        let mine = measured.data.blocks.iter().find(|b| b.range.contains(&point));
+        mine.map_or(1.0, |b| b.noise.sd_of(point - b.range.start))
     };
     let (mut chi2, mut square) = (0.0, 0.0);
     for (left, &r) in left.iter().zip(&out) {

@@ -3,13 +3,18 @@
 mod answer;
 mod columns;
 mod compare;
+mod condense;
 mod data;
+mod design;
+mod doctor;
 mod held_out;
 mod identify;
+mod journal;
 mod ladder;
 mod needs;
 mod parsimony;
 mod priors;
+mod probable;
 mod problem;
 mod reach;
 mod simulate;
@@ -21,14 +26,19 @@ pub use columns::{Base, Screened, scales};
 pub use compare::{
     AlongTear, DependsOn, Residuals, Where, along_the_tear, depends_on, located, place_in_words, places,
 };
+pub use condense::condensed;
 pub use data::{Measured, RecordError, Slot};
+pub use design::{DesignAnswer, DesignRequest, Foresight, Known, Variant, Weighed, design};
+pub use doctor::{Advice, Doctor, RecordFindings, doctor};
 pub use held_out::HeldOut;
 pub use identify::{
     AnalysisError, Control, HistoryEntry, Identified, Progress, Stage, frees, identify, run_options,
 };
+pub use journal::{Journal, NoJournal};
 pub use ladder::{FeLadder, Fitted, How, NextTest, Tried};
 pub use needs::{Need, needs};
 pub use parsimony::{OneStrength, one_strength};
+pub use probable::{Probable, Weighed, probable};
 pub use problem::{Cancelled, FeProblem};
 pub use simulate::{SimulateControl, Simulated, SimulatedTest, replay, simulate};
 pub use start::start_at;

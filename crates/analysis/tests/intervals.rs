@@ -57,7 +57,7 @@ fn the_noise_as_estimated_replaces_a_sceptics_and_leaves_the_meshs_error() {
 }
 
 fn identified(case: input::Case) -> Identified {
-    let control = Control { progress: &|_| {}, cancelled: &|| false };
+    let control = Control { progress: &|_| {}, cancelled: &|| false, journal: &analysis::NoJournal };
     identify(Arc::new(case), &effects::catalogue(), &control).unwrap()
 }
 

@@ -2,6 +2,7 @@
 
 mod candidate;
 mod discover;
+mod foresee;
 mod ladder;
 mod pairs;
 mod policy;
@@ -23,6 +24,7 @@ pub mod words;
 
 pub use candidate::{Amplitude, Candidate, Shape, Side};
 pub use discover::discover;
+pub use foresee::{Foreseen, foresee};
 pub use ladder::{Hints, LEANS, Ladder, Rung, pays, weights};
 pub use noise::{NoiseError, NoiseEstimate};
 pub use pairs::{Pair, separation};

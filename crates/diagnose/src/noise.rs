@@ -11,12 +11,15 @@ use crate::tails::chi2_isf;
 use inverse::orthonormal;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
+use std::ops::Range;
 use thiserror::Error;
 
 const WINDOW: usize = 20;
 const LONG_WINDOW: usize = 40;
 const SHORTEST: usize = 8;
 const LEAST_FREEDOM: usize = 20;
+/// More windows tell no more: of those of a long record as many are taken, evenly.
+const MOST_WINDOWS: usize = 150;
 
 /// The noise of one record.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -77,6 +80,18 @@ struct Window {
     points: usize,
     contrasts: DMatrix<f64>,
     u: DVector<f64>,
+    /// Places of the points, where they are not 0, 1, 2, ….
+    position: Vec<f64>,
+}
+
+/// Points that are averages of unequal numbers of readings: sd of each in units of a common one, and places in units of
+/// neighbours' distance (as [`inverse::NoiseModel`] has them). Empty lists: single readings.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Averages<'a> {
+    /// Sd of each point.
+    pub spread: &'a [f64],
+    /// Place of each point, growing.
+    pub position: &'a [f64],
 }
 
 impl Window {
@@ -95,6 +110,24 @@ impl Window {
 /// # Errors
 /// [`NoiseError`] when the record is too short, noiseless or malformed.
 pub fn estimate(t: &[f64], y: &[f64], breaks: &[usize]) -> Result<NoiseEstimate, NoiseError> {
+    estimate_averages(t, y, Averages::default(), breaks)
+}
+
+/// The same of averages: the sd is that of a point of spread 1.
+///
+/// # Errors
+/// As [`estimate`].
+pub fn estimate_averages(
+    t: &[f64],
+    y: &[f64],
+    averages: Averages,
+    breaks: &[usize],
+) -> Result<NoiseEstimate, NoiseError> {
+    for list in [averages.spread, averages.position] {
+        if !list.is_empty() && list.len() != y.len() {
+            return Err(NoiseError::Record(format!("{} averages for {} values", list.len(), y.len())));
+        }
+    }
     if t.len() != y.len() {
         return Err(NoiseError::Record(format!("{} times for {} values", t.len(), y.len())));
     }
@@ -104,7 +137,7 @@ pub fn estimate(t: &[f64], y: &[f64], breaks: &[usize]) -> Result<NoiseEstimate,
     if t.windows(2).any(|w| w[1] <= w[0]) {
         return Err(NoiseError::Record("time does not increase strictly".into()));
     }
-    let windows = keep_smooth(cut(t, y, breaks, WINDOW));
+    let windows = keep_smooth(cut(t, y, averages, breaks, WINDOW));
     let freedom: usize = windows.iter().map(|w| w.u.len()).sum();
     if freedom < LEAST_FREEDOM {
         return Err(NoiseError::TooShort { found: freedom });
@@ -120,7 +153,7 @@ pub fn estimate(t: &[f64], y: &[f64], breaks: &[usize]) -> Result<NoiseEstimate,
         return Ok(summary(&windows, 0.0, ar1_raw));
     }
     // Autocorrelated noise lives at low frequencies, which only longer windows see.
-    let long = keep_smooth(cut(t, y, breaks, LONG_WINDOW));
+    let long = keep_smooth(cut(t, y, averages, breaks, LONG_WINDOW));
     let enough = long.iter().map(|w| w.u.len()).sum::<usize>() >= freedom / 2;
     let windows = if enough { long } else { windows };
     let ar1 = most_likely(&windows);
@@ -156,7 +189,7 @@ fn curvature_error(windows: &[Window], ar1: f64) -> f64 {
     if curvature > 1.0 { curvature.sqrt().recip() } else { 1.0 }
 }
 
-fn cut(t: &[f64], y: &[f64], breaks: &[usize], target: usize) -> Vec<Window> {
+fn cut(t: &[f64], y: &[f64], averages: Averages, breaks: &[usize], target: usize) -> Vec<Window> {
     let mut edges: Vec<usize> = breaks.iter().map(|&b| b.min(t.len())).collect();
     edges.push(0);
     edges.push(t.len());
@@ -170,24 +203,26 @@ fn cut(t: &[f64], y: &[f64], breaks: &[usize], target: usize) -> Vec<Window> {
         }
         let parts = (n as f64 / target as f64).round().max(1.0) as usize;
         for k in 0..parts {
-            let (a, b) = (pair[0] + k * n / parts, pair[0] + (k + 1) * n / parts);
-            out.push(window(&t[a..b], &y[a..b]));
+            out.push(pair[0] + k * n / parts..pair[0] + (k + 1) * n / parts);
         }
     }
-    out
+    let (all, taken) = (out.len(), out.len().min(MOST_WINDOWS));
+    (0..taken).map(|k| window(t, y, averages, out[k * all / taken].clone())).collect()
 }
 
 /// Contrasts orthogonal to polynomials: of degree 3, 5 or 7 as the window grows.
-fn window(t: &[f64], y: &[f64]) -> Window {
-    let n = t.len();
+fn window(t: &[f64], y: &[f64], averages: Averages, range: Range<usize>) -> Window {
+    let (t, n) = (&t[range.clone()], range.len());
+    let share = |i: usize| averages.spread.get(range.start + i).copied().unwrap_or(1.0);
     let degree = match n {
         32.. => 7,
         16.. => 5,
         _ => 3,
     };
     let (mid, half) = (0.5 * (t[0] + t[n - 1]), 0.5 * (t[n - 1] - t[0]));
-    let powers =
-        DMatrix::from_fn(n, degree + 1, |i, k| ((t[i] - mid) / half).powi(i32::try_from(k).unwrap_or(0)));
+    let powers = DMatrix::from_fn(n, degree + 1, |i, k| {
+        ((t[i] - mid) / half).powi(i32::try_from(k).unwrap_or(0)) / share(i)
+    });
     let q = orthonormal(&powers);
     let rest = DMatrix::identity(n, n) - &q * q.transpose();
     let mut contrasts = orthonormal(&rest);
@@ -195,8 +230,9 @@ fn window(t: &[f64], y: &[f64]) -> Window {
     if contrasts.ncols() > freedom {
         contrasts = contrasts.columns(0, freedom).into_owned();
     }
-    let u = contrasts.tr_mul(&DVector::from_column_slice(y));
-    Window { points: n, contrasts, u }
+    let u = contrasts.tr_mul(&DVector::from_fn(n, |i, _| y[range.start + i] / share(i)));
+    let position = averages.position.get(range).map_or_else(Vec::new, <[f64]>::to_vec);
+    Window { points: n, contrasts, u, position }
 }
 
 /// Leaves out windows whose variance no noise of the typical level would give.
@@ -223,7 +259,10 @@ fn likelihood(windows: &[Window], phi: f64) -> (f64, f64) {
     let (mut square, mut log_det, mut freedom) = (0.0, 0.0, 0.0);
     for w in windows {
         let n = w.contrasts.nrows();
-        let r = DMatrix::from_fn(n, n, |i, j| phi.powi(i32::try_from(i.abs_diff(j)).unwrap_or(i32::MAX)));
+        let r = DMatrix::from_fn(n, n, |i, j| match w.position.get(i.max(j)) {
+            Some(after) if i != j => inverse::correlation_at(phi, after - w.position[i.min(j)]),
+            _ => phi.powi(i32::try_from(i.abs_diff(j)).unwrap_or(i32::MAX)),
+        });
         let c = w.contrasts.tr_mul(&(r * &w.contrasts));
         let Some(chol) = c.cholesky() else { return (f64::NAN, f64::NEG_INFINITY) };
         square += w.u.dot(&chol.solve(&w.u));

@@ -161,14 +161,7 @@ pub fn screen(
     points: usize,
     policy: &Policy,
 ) -> Result<Screen, ScreenError> {
-    for c in candidates {
-        if let Some(s) = c.shapes.iter().find(|s| s.columns.nrows() != points) {
-            return Err(ScreenError::Shape {
-                effect: c.effect.clone(),
-                fault: format!("a column of {} for {points} points", s.columns.nrows()),
-            });
-        }
-    }
+    lengths(candidates, points)?;
     let whitened: Vec<Candidate> = candidates.iter().map(|c| c.whiten(white)).collect();
     let base = white.without(at_bound);
     score(&base.r, &base.jacobian, &whitened, policy)
@@ -212,6 +205,37 @@ pub fn score(
     });
     let freedom = r.len().saturating_sub(q.ncols());
     Ok(Screen { findings, pairs, chi2, freedom })
+}
+
+/// What each candidate's shapes leave after the base jacobian took what it can imitate, whitened.
+pub(crate) fn projected<'a>(
+    white: &Whitened,
+    at_bound: &[bool],
+    candidates: &'a [Candidate],
+    points: usize,
+    policy: &Policy,
+) -> Result<Vec<(&'a Candidate, Vec<DMatrix<f64>>)>, ScreenError> {
+    lengths(candidates, points)?;
+    let whitened: Vec<Candidate> = candidates.par_iter().map(|c| c.whiten(white)).collect();
+    let base = white.without(at_bound);
+    check(&base.r, &base.jacobian, &whitened)?;
+    let q = orthonormal(&base.jacobian);
+    let left = DVector::zeros(base.r.len());
+    let shapes: Vec<Vec<DMatrix<f64>>> =
+        whitened.par_iter().map(|c| project(c, &q, &left, policy).shapes).collect();
+    Ok(candidates.iter().zip(shapes).collect())
+}
+
+fn lengths(candidates: &[Candidate], points: usize) -> Result<(), ScreenError> {
+    for c in candidates {
+        if let Some(s) = c.shapes.iter().find(|s| s.columns.nrows() != points) {
+            return Err(ScreenError::Shape {
+                effect: c.effect.clone(),
+                fault: format!("a column of {} for {points} points", s.columns.nrows()),
+            });
+        }
+    }
+    Ok(())
 }
 
 fn check(r: &DVector<f64>, jacobian: &DMatrix<f64>, candidates: &[Candidate]) -> Result<(), ScreenError> {

@@ -4,6 +4,7 @@ use crate::config::{
     BulkConfig, EffectConfig, IdentifyConfig, InterfaceConfig, MeshConfig, OutputConfig, SolverConfig,
 };
 use crate::diagnostics::Diagnostic;
+use crate::inputs::InputFile;
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -41,6 +42,8 @@ pub struct Case {
     pub output: OutputConfig,
     /// Things worth saying that are not errors; to be shown on stderr.
     pub warnings: Vec<Diagnostic>,
+    /// Every file that was read, with the hash of the bytes that were read.
+    pub inputs: Vec<InputFile>,
 }
 
 impl Case {
@@ -59,6 +62,7 @@ impl Case {
         let mut case = self.clone();
         (case.specimen_file, case.config_file) = (None, None);
         case.warnings.clear();
+        case.inputs.clear();
         for effect in &mut case.effects {
             effect.location = Location::default();
         }
@@ -209,6 +213,27 @@ pub struct Record {
     pub tear_front: Option<Vec<Option<f64>>>,
     /// Camera: width minus initial width at y = length/2, mm; negative when contracting.
     pub width_change: Option<Vec<Option<f64>>>,
+    /// How a long record was averaged to fewer points; `None`: rows as they were measured. A file never says so.
+    pub averaged: Option<Averaged>,
+}
+
+/// A record whose points are averages of rows.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Averaged {
+    /// Rows of the whole record.
+    pub rows: usize,
+    /// Force, grip displacement, tear front, width change.
+    pub channels: [Averages; 4],
+}
+
+/// What is behind the points of one channel.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Averages {
+    /// Readings in each point; 0 where there was none.
+    pub readings: Vec<usize>,
+    /// The sd of a mean of m readings falls as m to the power of minus this: ½ for independent ones, 0 for readings that
+    /// share their error.
+    pub decay: f64,
 }
 
 impl Record {
@@ -226,6 +251,14 @@ impl Record {
             camera.iter_mut().for_each(|c| c.truncate(rows));
         }
         self.segment.iter_mut().for_each(|s| s.truncate(rows));
+        for channel in self.averaged.iter_mut().flat_map(|a| &mut a.channels) {
+            channel.readings.truncate(rows);
+        }
+    }
+
+    /// Rows of the record as it was measured.
+    pub fn measured_rows(&self) -> usize {
+        self.averaged.as_ref().map_or(self.len(), |a| a.rows)
     }
 
     /// Whether there are no rows; never true for a record that was read from a file.

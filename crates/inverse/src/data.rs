@@ -4,13 +4,22 @@ use nalgebra::DVector;
 use std::ops::Range;
 use thiserror::Error;
 
-/// Noise of one block: covariance sd²·R(ar1) + Σ e eᵀ, R the correlation of a stationary AR(1) process.
+/// Noise of one block: covariance D R(ar1) D + Σ e eᵀ, R the correlation of a stationary AR(1) process, D the sd of each
+/// point: `sd`, times its share of it where points are averages of unequal numbers of readings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoiseModel {
     /// Standard deviation of one point, unit of the block.
     pub sd: f64,
     /// Correlation of neighbouring points, −1 < ar1 < 1; 0 is white noise.
     pub ar1: f64,
+    /// Sd of each point in units of `sd`; empty where all are 1.
+    pub spread: Vec<f64>,
+    /// Where each point stands, in units of neighbours' distance, growing: the correlation of two is ar1 to the power of
+    /// their distance. Empty: 0, 1, 2, ….
+    pub position: Vec<f64>,
+    /// Readings behind each point, in units of the usual number: its weight in a plain sum of squares, which is that over
+    /// all readings then. Empty where all are 1.
+    pub readings: Vec<f64>,
     /// The model's own numerical error: columns e, each with an unknown factor of prior N(0, 1).
     pub nuisance: Vec<DVector<f64>>,
     /// Degrees of freedom that the level was estimated with; infinite where it is given.
@@ -25,7 +34,33 @@ impl NoiseModel {
 
     /// Autocorrelated noise without numerical error.
     pub fn ar1(sd: f64, ar1: f64) -> Self {
-        Self { sd, ar1, nuisance: Vec::new(), freedom: f64::INFINITY }
+        Self {
+            sd,
+            ar1,
+            spread: Vec::new(),
+            position: Vec::new(),
+            readings: Vec::new(),
+            nuisance: Vec::new(),
+            freedom: f64::INFINITY,
+        }
+    }
+
+    /// Sd of point `i` of the block.
+    pub fn sd_of(&self, i: usize) -> f64 {
+        self.spread.get(i).map_or(self.sd, |s| s * self.sd)
+    }
+
+    /// Square root of the weight of point `i` of the block in a plain sum of squares.
+    pub fn root_weight(&self, i: usize) -> f64 {
+        self.readings.get(i).map_or(1.0, |n| n.sqrt())
+    }
+
+    /// Correlation of the points `i` < `j` of the block.
+    pub fn correlation(&self, i: usize, j: usize) -> f64 {
+        match (self.position.get(i), self.position.get(j)) {
+            (Some(a), Some(b)) => correlation_at(self.ar1, b - a),
+            _ => self.ar1.powi(i32::try_from(j - i).unwrap_or(i32::MAX)),
+        }
     }
 
     /// The same with one more column of numerical error.
@@ -184,6 +219,12 @@ impl Data {
     }
 }
 
+/// AR(1) correlation across a distance. A negative one changes its sign from neighbour to neighbour; between them it has
+/// no meaning but that it fades.
+pub fn correlation_at(ar1: f64, distance: f64) -> f64 {
+    if ar1 >= 0.0 { ar1.powf(distance) } else { ar1.powi(distance.round().clamp(1.0, 1e6) as i32) }
+}
+
 fn check_block(block: &Block, at: usize) -> Result<(), DataError> {
     let shape = |fault: String| Err(DataError::Shape { block: block.name.clone(), fault });
     let value = |fault: String| Err(DataError::Value { block: block.name.clone(), fault });
@@ -202,6 +243,18 @@ fn check_block(block: &Block, at: usize) -> Result<(), DataError> {
     }
     if let Some(i) = block.measured.iter().position(|v| !v.is_finite()) {
         return value(format!("measured value {i} is not finite"));
+    }
+    let lists = [("spread", &noise.spread), ("position", &noise.position), ("readings", &noise.readings)];
+    for (what, list) in lists {
+        if !list.is_empty() && list.len() != block.range.len() {
+            return shape(format!("a {what} of {} for {} points", list.len(), block.range.len()));
+        }
+    }
+    if noise.spread.iter().chain(&noise.readings).any(|s| !(s.is_finite() && *s > 0.0)) {
+        return value("a spread or a number of readings is not positive".into());
+    }
+    if noise.position.windows(2).any(|p| p[1].is_nan() || p[1] <= p[0]) {
+        return value("positions do not grow".into());
     }
     for e in &noise.nuisance {
         if e.len() != block.range.len() {

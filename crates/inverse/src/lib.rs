@@ -22,7 +22,7 @@ mod whiten;
 
 pub use arms::Probe;
 pub use covariance::{Estimate, Identifiability, Uncertainty, uncertainty};
-pub use data::{Block, Data, DataError, NoiseModel};
+pub use data::{Block, Data, DataError, NoiseModel, correlation_at};
 pub use fit::fit;
 pub use half_width::Z95;
 pub use halton::halton;

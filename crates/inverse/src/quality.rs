@@ -64,6 +64,8 @@ pub fn quality(data: &Data, free: &[Free], fit: &Fit) -> Quality {
         let inside = |i: usize| data.is_used(i) && block.range.contains(&i);
         let square = |noise| Whitener::with_points(data, inside, noise).apply(&misfit).norm_squared();
         let points = block.range.clone().filter(|&i| data.is_used(i)).count();
+        let weight = |i: usize| block.noise.readings.get(i - block.range.start).copied().unwrap_or(1.0);
+        let readings: f64 = block.range.clone().filter(|&i| data.is_used(i)).map(weight).sum();
         let dof = leverage[b];
         let left = (points as f64 - dof).max(1.0);
         let (objective, chi2, chi2_total) =
@@ -72,7 +74,7 @@ pub fn quality(data: &Data, free: &[Free], fit: &Fit) -> Quality {
             name: block.name.clone(),
             points,
             degrees_of_freedom: dof,
-            rms: (objective / (points as f64).max(1.0)).sqrt(),
+            rms: (objective / readings.max(1.0)).sqrt(),
             noise: block.noise.sd,
             objective,
             chi2,

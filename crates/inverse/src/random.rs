@@ -59,7 +59,17 @@ impl Data {
     pub fn simulate_noise(&self, random: &mut Random) -> DVector<f64> {
         let mut noise = DVector::zeros(self.points());
         for block in &self.blocks {
-            let part = random.ar1(block.range.len(), block.noise.sd, block.noise.ar1);
+            let model = &block.noise;
+            let part = if model.spread.is_empty() && model.position.is_empty() {
+                random.ar1(block.range.len(), model.sd, model.ar1)
+            } else {
+                let mut last = 0.0;
+                DVector::from_fn(block.range.len(), |i, _| {
+                    let phi = if i == 0 { 0.0 } else { model.correlation(i - 1, i) };
+                    last = phi * last + (1.0 - phi * phi).sqrt() * random.normal();
+                    model.sd_of(i) * last
+                })
+            };
             noise.rows_mut(block.range.start, block.range.len()).copy_from(&part);
         }
         for e in self.nuisance_columns() {

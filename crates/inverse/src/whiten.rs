@@ -42,17 +42,22 @@ impl Whitener {
     pub fn with_points(data: &Data, keep: impl Fn(usize) -> bool, noise: Noise) -> Self {
         let (mut rows, mut weight, mut carry) = (Vec::new(), Vec::new(), Vec::new());
         for block in &data.blocks {
+            let (start, model) = (block.range.start, &block.noise);
             let mut last: Option<usize> = None;
             for i in block.range.clone().filter(|&i| keep(i)) {
                 let phi = match (last, noise) {
                     (_, Noise::None) | (None, _) => 0.0,
-                    (Some(j), _) => block.noise.ar1.powi(i32::try_from(i - j).unwrap_or(i32::MAX)),
+                    (Some(j), _) => model.correlation(j - start, i - start),
                 };
                 rows.push(i);
-                carry.push(phi);
+                // What of the point before stands in this one: in its own sd.
+                carry.push(match (last, model.spread.is_empty()) {
+                    (Some(j), false) => phi * model.sd_of(i - start) / model.sd_of(j - start),
+                    _ => phi,
+                });
                 weight.push(match noise {
-                    Noise::None => 1.0,
-                    _ => 1.0 / (block.noise.sd * (1.0 - phi * phi).sqrt()),
+                    Noise::None => model.root_weight(i - start),
+                    _ => 1.0 / (model.sd_of(i - start) * (1.0 - phi * phi).sqrt()),
                 });
                 last = Some(i);
             }
@@ -179,26 +184,37 @@ impl Data {
         if n > 0.0 { (sum / n).sqrt() } else { 1.0 }
     }
 
-    /// Σ·v over the given points, Σ the total covariance (record noise and numerical error).
+    /// W^½ Σ W^½ v over the given points, Σ the total covariance (record noise and numerical error), W the weights of a
+    /// plain sum of squares.
     pub(crate) fn covariance_times(&self, rows: &[usize], v: &DVector<f64>) -> DVector<f64> {
         let mut out = DVector::zeros(rows.len());
+        let mut root = DVector::from_element(rows.len(), 1.0);
         for block in &self.blocks {
             let at: Vec<usize> = (0..rows.len()).filter(|&k| block.range.contains(&rows[k])).collect();
-            let (sd2, phi) = (block.noise.sd.powi(2), block.noise.ar1);
-            let gap = |a: usize, b: usize| phi.powi(i32::try_from(rows[b] - rows[a]).unwrap_or(i32::MAX));
+            let (sd2, start) = (block.noise.sd.powi(2), block.range.start);
+            at.iter().for_each(|&k| root[k] = block.noise.root_weight(rows[k] - start));
+            let gap = |a: usize, b: usize| block.noise.correlation(rows[a] - start, rows[b] - start);
+            let spread = |k: usize| block.noise.spread.get(rows[k] - start).copied().unwrap_or(1.0);
+            let share = |k: usize| root[k] * spread(k);
             let mut forward = 0.0;
             for (n, &k) in at.iter().enumerate() {
-                forward = if n > 0 { gap(at[n - 1], k) * (forward + v[at[n - 1]]) } else { 0.0 };
-                out[k] += sd2 * (v[k] + forward);
+                forward = match n {
+                    0 => 0.0,
+                    _ => gap(at[n - 1], k) * (forward + share(at[n - 1]) * v[at[n - 1]]),
+                };
+                out[k] += sd2 * share(k) * (share(k) * v[k] + forward);
             }
             let mut backward = 0.0;
             for (n, &k) in at.iter().enumerate().rev() {
-                backward = if n + 1 < at.len() { gap(k, at[n + 1]) * (backward + v[at[n + 1]]) } else { 0.0 };
-                out[k] += sd2 * backward;
+                backward = match at.get(n + 1) {
+                    None => 0.0,
+                    Some(&next) => gap(k, next) * (backward + share(next) * v[next]),
+                };
+                out[k] += sd2 * share(k) * backward;
             }
         }
         for e in self.nuisance_columns() {
-            let part = DVector::from_iterator(rows.len(), rows.iter().map(|&i| e[i]));
+            let part = DVector::from_iterator(rows.len(), rows.iter().zip(&root).map(|(&i, w)| w * e[i]));
             let factor = part.dot(v);
             out.axpy(factor, &part, 1.0);
         }

@@ -6,7 +6,8 @@ use mesh::Mesh;
 
 /// Index of the outputs in [`fem::StepRecord::extra`].
 pub mod output {
-    /// Largest reference x with an opening of at least the threshold, mm.
+    /// Largest reference x with an opening of at least the threshold, mm from the edge x = 0; the end of the cut while
+    /// nothing beyond it is open that far.
     pub const TEAR_FRONT: usize = 0;
     /// Width change at mid-height, mm.
     pub const WIDTH_CHANGE: usize = 1;
@@ -34,6 +35,8 @@ struct PathLine {
 #[derive(Clone, Debug)]
 pub struct Camera {
     lines: Vec<PathLine>,
+    /// End of the cut, mm: no front stands before it.
+    cut: f64,
     left: Vec<usize>,
     right: Vec<usize>,
     /// Opening threshold of each area, mm.
@@ -74,6 +77,7 @@ impl Camera {
         let none = vec![0.0; areas.max(1)];
         Self {
             lines,
+            cut: mesh.cut,
             left: set("left_mid"),
             right: set("right_mid"),
             thresholds: none.clone(),
@@ -116,13 +120,18 @@ impl Camera {
 
     /// Front position, its derivative by the threshold, the area.
     fn front<S: Scalar>(&self, u: &dyn Fn(usize) -> S) -> (S, f64, usize) {
+        let not_begun = (S::from(self.cut), 0.0, 0);
         let Some(last) = self.lines.iter().rposition(|l| self.excess(l, u).value() >= 0.0) else {
-            return (S::zero(), 0.0, 0);
+            return not_begun;
         };
         let here = &self.lines[last];
         let Some(next) = self.lines.get(last + 1) else { return (S::from(here.x), 0.0, here.area) };
         let (a, b) = (self.excess(here, u), self.excess(next, u));
         let x = S::from(here.x) + a / (a - b) * (next.x - here.x);
+        // The faces of the cut open before anything tears.
+        if x.value() <= self.cut {
+            return not_begun;
+        }
         (x, -(next.x - here.x) / (a - b).value(), here.area)
     }
 

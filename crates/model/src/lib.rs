@@ -7,6 +7,7 @@
 
 mod build;
 pub mod camera;
+pub mod cost;
 pub mod effect;
 mod plan;
 mod predict;
@@ -17,7 +18,7 @@ pub use effect::{
     Screening, Sensor, Shape, Sided, Site,
 };
 pub use plan::{
-    Corner, Place, Plan, RunIndex, Stencil, Stepping, corners_of_protocol, corners_of_record, plan,
-    plan_simulation,
+    Corner, Place, Plan, RunIndex, Stencil, Stepping, corner_rows, corners_of_protocol, corners_of_record,
+    encoder_noise, plan, plan_simulation,
 };
 pub use predict::{Channel, LONG_REST, Request, RunOptions, Series, TestRun};

@@ -3,12 +3,12 @@
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
 use ::report::answer::SCHEMA;
-use ::report::write_atomic;
+use ::report::{quoted_path, write_atomic};
 use serde_json::json;
 use std::path::PathBuf;
 
 /// Arguments of `fct new`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// Name of the specimen, and of the folder that is made
     #[arg(value_name = "NAME")]
@@ -66,9 +66,9 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
          specimen.toml. It runs as it is:\n  fct check {c}\n  fct identify {c}\n\
          raw/ holds the same records as an Instron's program writes them; so are yours read:\n  \
          fct import {r}/uniaxial_RawData_1.csv --out {i}\n",
-        c = config.display(),
-        r = folder.join("raw").display(),
-        i = folder.join("imported").display()
+        c = quoted_path(&config),
+        r = quoted_path(&folder.join("raw")),
+        i = quoted_path(&folder.join("imported"))
     );
     Outcome::new(&json!({ "schema": SCHEMA, "files": paths }), text)
 }

@@ -1,6 +1,7 @@
 //! A measured record: `time_s,displacement_mm,force_N`, a segment name and camera channels.
 
 use super::columns::{Column, Found, header, number, right_count};
+use super::sanity::sane;
 use super::{Cell, Faults, cells, lines, load};
 use crate::case::Record;
 use crate::diagnostics::{Diagnostic, Report, Sink};
@@ -34,6 +35,7 @@ pub(crate) fn read_record(path: &Path, sink: &Sink) -> Result<Option<Record>, Bo
         }
         fault
     })?;
+    sink.was_read(&file);
     let mut faults = Faults::new(&file, sink);
     let record = rows(&file, &mut faults);
     if faults.finish() {
@@ -150,12 +152,23 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// What no single row shows: a displacement that never moves is an error, one that does not start at 0 a
-/// warning, a camera channel without a single value an error.
+/// Rough noise of a displacement: the median second difference. A clean motion has none, but at its corners.
+fn encoder_noise(u: &[f64]) -> f64 {
+    let mut misses: Vec<f64> = u.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
+    let middle = misses.len() / 2;
+    if misses.is_empty() {
+        0.0
+    } else {
+        *misses.select_nth_unstable_by(middle, f64::total_cmp).1 / 6f64.sqrt()
+    }
+}
+
+/// What no single row shows: a displacement that never moves, one that does not start at 0, a camera channel without a
+/// single value.
 fn plausible(file: &SourceFile, sink: &Sink, record: &Record) -> bool {
     let u = &record.displacement;
     let (low, high) = u.iter().fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
-    let mut good = true;
+    let mut good = sane(file, sink, record);
     if high <= low {
         let report = Report::error(format!(
             "displacement is {} mm in every row; expected a test that moves",
@@ -163,10 +176,15 @@ fn plausible(file: &SourceFile, sink: &Sink, record: &Record) -> bool {
         ));
         sink.push(report.key("displacement").about(file.path.clone()));
         good = false;
-    } else if u[0].abs() > 1e-3 * (high - low) {
-        let report =
-            Report::warning(format!("displacement starts at {} mm; a record starts at 0", plain(u[0])));
-        sink.push(report.key("displacement").about(file.path.clone()));
+    } else if u[0].abs() > (1e-3 * (high - low)).max((5.0 * encoder_noise(u)).min(0.01 * (high - low))) {
+        let report = Report::error(format!(
+            "displacement starts at {} mm; expected 0, where the test begins",
+            plain(u[0])
+        ));
+        let help = "`fct import FILE --zero` subtracts it; a strip that was pulled before the record began (a pre-load, a \
+                    second test that goes on where the first ended) keeps its force at displacement 0";
+        sink.push(report.key("displacement").help(help).about(file.path.clone()));
+        good = false;
     }
     let cameras = [
         ("grip_displacement_mm", &record.grip_displacement),

@@ -1,6 +1,14 @@
 //! Corners of the actuator's motion: where a leg of the protocol, or of what was measured, ends.
 
+use super::path::{At, encoder_noise, simplified};
 use input::{Leg, Record};
+
+/// A record of more rows is simplified before its corners are looked for.
+const PLAIN_ROWS: usize = 1000;
+
+/// So is one whose displacement is noisier than this share of its mean travel from row to row: a rate from two rows
+/// would say nothing.
+const NOISY: f64 = 2e-3;
 
 /// A corner of the actuator's motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,14 +45,35 @@ pub fn corners_of_protocol(legs: &[Leg]) -> Vec<Corner> {
 }
 
 /// Corners of a measured motion: turns, starts and ends of holds, lasting changes of rate.
-/// Small reversals (noise of the displacement signal) are no corners.
+/// Small reversals (noise of the displacement signal) are no corners, and where there is such noise, or a record is
+/// long, corners lie on the lines through the rows beside them. How many rows a motion was recorded with does not matter.
 pub fn corners_of_record(record: &Record) -> Vec<Corner> {
+    corner_rows(record).into_iter().map(|c| c.1).collect()
+}
+
+/// The same with the row that each corner stands at.
+pub fn corner_rows(record: &Record) -> Vec<At> {
     let (t, u) = (&record.time, &record.displacement);
     let n = t.len();
-    let corner = |i: usize| Corner { time: t[i], displacement: u[i] };
     if n < 2 {
-        return (0..n).map(corner).collect();
+        return (0..n).map(|i| (i, Corner { time: t[i], displacement: u[i] })).collect();
     }
+    let travel: f64 = u.windows(2).map(|w| (w[1] - w[0]).abs()).sum();
+    if n <= PLAIN_ROWS && encoder_noise(t, u) <= NOISY * travel / (n - 1) as f64 {
+        return plain(t, u);
+    }
+    let corners = simplified(t, u);
+    // One leg has no corner that its noise could move: its ends stay what was measured.
+    if n <= PLAIN_ROWS && corners.len() == 2 && u[0] == 0.0 {
+        return [0, n - 1].map(|i| (i, Corner { time: t[i], displacement: u[i] })).to_vec();
+    }
+    corners
+}
+
+/// Corners of a clean record, exactly at its rows.
+fn plain(t: &[f64], u: &[f64]) -> Vec<At> {
+    let n = t.len();
+    let corner = |i: usize| (i, Corner { time: t[i], displacement: u[i] });
     let range = u.iter().fold(f64::MIN, |m, x| m.max(*x)) - u.iter().fold(f64::MAX, |m, x| m.min(*x));
     let travel: f64 = u.windows(2).map(|w| (w[1] - w[0]).abs()).sum();
     let typical = travel / (t[n - 1] - t[0]);

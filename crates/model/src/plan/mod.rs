@@ -6,9 +6,11 @@
 //! piece by a cubic through the nearest steps; nothing is interpolated across a turn or a jump.
 
 mod corners;
+mod path;
 mod stencil;
 
-pub use corners::{Corner, corners_of_protocol, corners_of_record};
+pub use corners::{Corner, corner_rows, corners_of_protocol, corners_of_record};
+pub use path::encoder_noise;
 pub use stencil::{Place, RunIndex, Stencil};
 
 use fem::Target;

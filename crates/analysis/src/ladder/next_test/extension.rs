@@ -19,7 +19,7 @@ const CAMERA_SD: f64 = 0.01;
 const FRONT_SD: f64 = 0.1;
 
 /// More data from one test.
-pub(super) struct Part {
+pub(crate) struct Part {
     /// Index of the test.
     pub test: usize,
     /// Its record with the added rows; what is measured there does not matter.
@@ -33,7 +33,7 @@ pub(super) struct Part {
 }
 
 /// Something to add to the tests of the next piece.
-pub(super) struct Extension {
+pub(crate) struct Extension {
     /// In words.
     pub words: String,
     /// How much longer the tests get, s.
@@ -51,7 +51,7 @@ enum Leg {
 }
 
 /// All that is tried.
-pub(super) fn extensions(case: &Case) -> Vec<Extension> {
+pub(crate) fn extensions(case: &Case) -> Vec<Extension> {
     let tests = || case.tests.iter().enumerate().filter_map(|(i, t)| Some((i, t, t.record.as_ref()?)));
     let mut list: Vec<Extension> = tests().flat_map(|(i, t, r)| segments(i, t, r)).collect();
     list.extend(cameras(&tests().collect::<Vec<_>>()));

@@ -1,6 +1,6 @@
 //! The cheapest addition to the protocol that would tell rivals apart, by simulating them on it.
 
-mod extension;
+pub(crate) mod extension;
 
 use super::{FeLadder, Fitted};
 use crate::columns::transfer;

@@ -1,0 +1,300 @@
+//! What records of some kind would show: the screen's columns and the base jacobian at guessed values, on a coarse mesh.
+//!
+//! Everything is linear in the effect and in the base parameters, as the screen itself is; the power it promises is that
+//! of the screen's test at its own threshold, with the noise of the records.
+
+use crate::columns::Base;
+use crate::data::Measured;
+use crate::identify::{AnalysisError, coarser, frees};
+use crate::problem::Cancelled;
+use diagnose::power::{noncentrality, power};
+use diagnose::{Candidate, Foreseen, Policy, foresee};
+use input::{Case, TestKind};
+use inverse::{Free, Noise, Prediction, Whitened};
+use model::{Catalogue, Discretisation, Model, RunOptions};
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+use std::sync::Arc;
+
+/// Areas of the tear path that are told apart: more only blur what is asked here.
+const AREAS: usize = 3;
+/// How much coarser than the given mesh; less where a strip is too small for that.
+const COARSEN: [f64; 3] = [4.0, 2.0, 1.0];
+/// Shares of the guessed strength that are tried until a run comes to the end of its records.
+const STRENGTHS: [f64; 4] = [1.0, 0.6, 1.6, 0.3];
+/// A parameter is known when its standard error is below this share of it.
+const KNOWN: f64 = 0.35;
+
+/// How well a base parameter would be known.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Known {
+    /// Path.
+    pub path: String,
+    /// Guessed value.
+    pub value: f64,
+    /// Standard error as a share of the value.
+    pub relative_error: f64,
+    /// Whether that is a measurement and not a guess.
+    pub known: bool,
+}
+
+/// What records would show.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Foresight {
+    /// The base parameters, no effect present.
+    pub parameters: Vec<Known>,
+    /// The catalogue, most visible first.
+    pub effects: Vec<Foreseen>,
+    /// Effects that would need something else to show: name, and what its card says.
+    pub hidden: Vec<(String, String)>,
+}
+
+/// A linearised model on records.
+pub(super) struct Linear {
+    pub prediction: Prediction,
+    pub candidates: Vec<Candidate>,
+    pub measured: Measured,
+    frees: Vec<Free>,
+    theta: Vec<f64>,
+}
+
+/// The case as it is looked at here: few areas, a coarse mesh.
+pub(super) fn simple(case: &Case) -> (Case, Vec<Discretisation>) {
+    let (mut out, how) = coarser(case);
+    if out.mesh.divisions.is_none() {
+        out.mesh.layers = 1;
+    }
+    out.interface.areas = out.interface.areas.min(AREAS);
+    for list in [&mut out.interface.gc, &mut out.interface.sigma_c] {
+        list.truncate(out.interface.areas);
+    }
+    let coarsen = |c| Discretisation { coarsen: c, ..how };
+    let list = match case.mesh.divisions {
+        Some(_) => vec![how],
+        None => COARSEN.map(coarsen).to_vec(),
+    };
+    (out, list)
+}
+
+/// The coarsest model that the strip allows.
+pub(super) fn model_of(case: &Case, catalogue: &Catalogue) -> Result<(Model, Discretisation), AnalysisError> {
+    let (simple, list) = simple(case);
+    let simple = Arc::new(simple);
+    let mut last = None;
+    for how in list {
+        match Model::new(simple.clone(), catalogue, how) {
+            Ok(model) => return Ok((model, how)),
+            Err(e) => last = Some(e),
+        }
+    }
+    Err(last.map_or_else(|| AnalysisError::Case("no mesh".into()), AnalysisError::from))
+}
+
+/// Steps and tolerance of a look.
+pub(super) fn options(case: &Case) -> RunOptions {
+    let mut o = crate::identify::run_options(case);
+    (o.tearing_steps, o.uniaxial_steps) = (24, 12);
+    o.march.newton.tolerance = o.march.newton.tolerance.max(1e-6);
+    o.march.budget = crate::identify::TRIAL_BUDGET;
+    o
+}
+
+/// One run with the columns of a catalogue.
+pub(super) fn linear(
+    model: &Model,
+    how: Discretisation,
+    theta: &[f64],
+    measured: Measured,
+    catalogue: &Catalogue,
+    cancelled: Cancelled,
+) -> Result<Linear, AnalysisError> {
+    let free = model.free();
+    let base = Base {
+        model,
+        theta,
+        free: &free,
+        catalogue,
+        how,
+        options: options(&model.case),
+        slots: &measured.slots,
+        warm: &[],
+        cancelled,
+    };
+    let screened = base.screen()?;
+    let mut list = frees(model, theta, &free);
+    crate::priors::add(&mut list, &model.case, true);
+    let theta = free.iter().map(|&i| theta[i]).collect();
+    let (prediction, candidates) = (screened.prediction, screened.candidates);
+    Ok(Linear { prediction, candidates, measured, frees: list, theta })
+}
+
+impl Linear {
+    /// Free base parameters as a fit sees them, with their values.
+    #[cfg(test)]
+    pub fn base(&self) -> (&[Free], &[f64]) {
+        (&self.frees, &self.theta)
+    }
+
+    /// Whitened at the prediction itself: nothing is missed yet. `camera`: camera channels count.
+    pub fn white(&self, camera: bool) -> Whitened {
+        let mut data = self.measured.data.clone();
+        data.held_out = vec![false; data.points()];
+        for (block, slot) in data.blocks.iter_mut().zip(&self.measured.slots) {
+            let values = self.prediction.values.rows(block.range.start, block.range.len());
+            block.measured = values.iter().copied().collect();
+            if slot.channel != model::Channel::Force && !camera {
+                data.held_out[block.range.clone()].fill(true);
+            }
+        }
+        Whitened::new(&data, &self.frees, &self.theta, &self.prediction, Noise::Record)
+    }
+
+    pub fn foresight(
+        &self,
+        catalogue: &Catalogue,
+        policy: &Policy,
+        camera: bool,
+    ) -> Result<Foresight, AnalysisError> {
+        let white = self.white(camera);
+        let none = vec![false; self.frees.len()];
+        let effects = foresee(&white, &none, &self.candidates, self.measured.data.points(), policy)
+            .map_err(|e| AnalysisError::Case(e.to_string()))?;
+        let hidden = effects
+            .iter()
+            .filter(|e| e.power < 0.5)
+            .filter_map(|e| catalogue.get(&e.effect))
+            .filter(|e| !e.card().negative_control)
+            .map(|e| (e.card().name.to_owned(), e.card().separated_by.to_owned()))
+            .collect();
+        Ok(Foresight { parameters: self.known(&white), effects, hidden })
+    }
+
+    fn known(&self, white: &Whitened) -> Vec<Known> {
+        let p = self.frees.len();
+        let hessian = white.jacobian.tr_mul(&white.jacobian) + DMatrix::identity(p, p) * 1e-12;
+        let covariance = hessian.try_inverse().unwrap_or_else(|| DMatrix::from_element(p, p, f64::INFINITY));
+        let one = |(k, f): (usize, &Free)| {
+            let sd = covariance[(k, k)].max(0.0).sqrt();
+            let relative = (f.transform.slope(self.theta[k]) * sd / self.theta[k]).abs();
+            let learned = f.prior.is_none_or(|prior| sd < 0.7 * prior.sd);
+            Known {
+                path: f.path.clone(),
+                value: self.theta[k],
+                relative_error: relative,
+                known: relative <= KNOWN && learned,
+            }
+        };
+        self.frees.iter().enumerate().map(one).collect()
+    }
+
+    /// Chance that the wrong one of two effects is told from the right one: the less of either truth, each at its plausible
+    /// size, the other in any of its shapes.
+    pub fn separation(&self, a: &str, b: &str, policy: &Policy, camera: bool) -> f64 {
+        let white = self.white(camera);
+        let find = |name: &str| self.candidates.iter().find(|c| c.effect == name);
+        let (Some(a), Some(b)) = (find(a), find(b)) else { return 0.0 };
+        let (a, b) = (columns(a, &white), columns(b, &white));
+        let chance = |truth: &[DVector<f64>], rival: &[DVector<f64>]| {
+            let one = |d: &DVector<f64>| {
+                let against = rival.iter().map(|r| lambda(&white.jacobian, r, d));
+                against.fold(f64::INFINITY, f64::min)
+            };
+            truth.iter().map(one).filter(|l| l.is_finite()).fold(0.0, f64::max)
+        };
+        power(chance(&a, &b).min(chance(&b, &a)), policy.separate_chi2)
+    }
+}
+
+/// χ² that a rival's column and the base leave of a truth.
+fn lambda(base: &DMatrix<f64>, rival: &DVector<f64>, truth: &DVector<f64>) -> f64 {
+    let mut new = base.clone().insert_column(base.ncols(), 0.0);
+    new.set_column(base.ncols(), rival);
+    let known = DMatrix::zeros(1, new.ncols());
+    noncentrality(truth, &new, &known)
+}
+
+/// Whitened columns of an effect at its plausible size, one per shape.
+fn columns(c: &Candidate, white: &Whitened) -> Vec<DVector<f64>> {
+    let sized = |s: &diagnose::Shape| {
+        let plausible = c.amplitudes.iter().zip(s.columns.column_iter());
+        plausible.fold(DVector::zeros(s.columns.nrows()), |sum, (a, column)| sum + column * a.plausible)
+    };
+    c.shapes.iter().map(|s| white.column(&sized(s))).collect()
+}
+
+/// What the records of a case can show: at the file's values where it gives any, else at what the records suggest.
+pub(crate) fn foresight_of_records(
+    case: &Arc<Case>,
+    catalogue: &Catalogue,
+    cancelled: Cancelled,
+) -> Result<Foresight, AnalysisError> {
+    let case = crate::condensed(case);
+    let (model, how) = model_of(&case, catalogue)?;
+    let policy = Policy::default();
+    let measured = Measured::cautious(&model, &model.recorded())?;
+    let guess = guessed(&model);
+    let mut last = None;
+    for share in STRENGTHS {
+        let theta = with_strength(&model, &guess, share);
+        match linear(&model, how, &theta, measured.clone(), catalogue, cancelled) {
+            Ok(linear) => return linear.foresight(catalogue, &policy, true),
+            Err(e) if cancelled() => return Err(e),
+            Err(e) => last = Some(e),
+        }
+    }
+    Err(last.unwrap_or(AnalysisError::Case("no record".into())))
+}
+
+/// θ with the strengths of the tear path multiplied.
+pub(super) fn with_strength(model: &Model, theta: &[f64], share: f64) -> Vec<f64> {
+    let mut theta = theta.to_vec();
+    for (p, v) in model.parameters.iter().zip(&mut theta) {
+        if p.free && p.path.ends_with("].sigma_c") {
+            *v = (share * *v).clamp(p.spec.lower, p.spec.upper);
+        }
+    }
+    theta
+}
+
+/// The case with what its records suggest of the tissue and the tear as start values, where the file gives none.
+pub(super) fn with_guess(case: &Case, catalogue: &Catalogue) -> Result<Case, AnalysisError> {
+    let mut out = case.clone();
+    if case.tests.iter().any(|t| t.record.is_some()) {
+        let (model, _) = model_of(case, catalogue)?;
+        let theta = guessed(&model);
+        out.interface.areas = model.areas();
+        let values = model.free().into_iter().map(|i| (model.parameters[i].path.as_str(), theta[i]));
+        crate::start::start_at(&mut out, values);
+    }
+    Ok(out)
+}
+
+/// The file's values; where it gives none, a tissue that explains the intact strip roughly and a tear of the order of the
+/// record's work and peak.
+fn guessed(model: &Model) -> Vec<f64> {
+    let case = &model.case;
+    let mut theta = model.theta();
+    let set = |theta: &mut Vec<f64>, path: &str, value: f64| {
+        if let Some(i) = model.find(path).filter(|&i| model.parameters[i].free) {
+            let spec = &model.parameters[i].spec;
+            theta[i] = value.clamp(spec.lower, spec.upper);
+        }
+    };
+    if case.bulk.k1.value.is_none() {
+        let paths = ["mu", "k1", "k2", "gamma", "kappa"].map(|n| format!("bulk.{n}"));
+        let given = paths.clone().map(|p| model.find(&p).map_or(0.0, |i| theta[i]));
+        let list = frees(model, &theta, &model.free());
+        if let Some(tissue) = crate::strip::tissues(case, &list, given).first() {
+            paths.iter().zip(tissue).for_each(|(path, v)| set(&mut theta, path, *v));
+        }
+    }
+    let torn = case.tests.iter().any(|t| t.kind == TestKind::Tearing && t.record.is_some());
+    if torn && case.interface.gc_of(0).value.is_none() {
+        let (gc, sigma_c) = crate::start::from_record(case);
+        for area in 1..=model.areas() {
+            set(&mut theta, &format!("interface.area[{area}].gc"), gc);
+            set(&mut theta, &format!("interface.area[{area}].sigma_c"), sigma_c);
+        }
+    }
+    theta
+}

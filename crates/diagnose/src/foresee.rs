@@ -1,0 +1,155 @@
+//! What a screen would see, before there is a misfit: the power of its test against each effect at a plausible size.
+//!
+//! The columns are those of the screen, and so is the threshold: an effect is seen when its fall of χ² reaches the
+//! policy's least fall, and the p-value the false-discovery rate allows the first of the catalogue.
+
+use crate::score::{ScreenError, projected};
+use crate::sup::Family;
+use crate::tails::normal_sf;
+use crate::{Candidate, Policy, Side};
+use inverse::Whitened;
+use nalgebra::DMatrix;
+use serde::Serialize;
+
+/// What records of some kind would say of an effect.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Foreseen {
+    /// Name in the catalogue.
+    pub effect: String,
+    /// Name of its amplitude.
+    pub amplitude: String,
+    /// A plausible size of it, as a deviation from neutral.
+    pub plausible: f64,
+    /// Shape parameters of the shape that shows best.
+    pub shape: Vec<(String, f64)>,
+    /// Standard deviations beyond what base parameters can imitate, at the plausible size.
+    pub snr: f64,
+    /// Chance that the screen calls it significant at the plausible size.
+    pub power: f64,
+    /// Size that is seen with 90 % power; `None` where none is.
+    pub least: Option<f64>,
+}
+
+/// z of 90 % power.
+const NINETY: f64 = 1.281_551_565_5;
+
+/// Every candidate (raw columns of full length n) against the jacobian of a linearised problem, most visible first.
+/// Effects that only a refit tells are judged by their secant.
+///
+/// # Errors
+/// [`ScreenError`] when lengths disagree or a column holds a number that is not finite.
+pub fn foresee(
+    white: &Whitened,
+    at_bound: &[bool],
+    candidates: &[Candidate],
+    points: usize,
+    policy: &Policy,
+) -> Result<Vec<Foreseen>, ScreenError> {
+    let shaped = candidates.iter().filter(|c| !c.shapes.is_empty()).count().max(1);
+    let all = projected(white, at_bound, candidates, points, policy)?;
+    let mut out: Vec<Foreseen> = all
+        .into_iter()
+        .map(|(candidate, shapes)| one(candidate, &shapes, policy.fdr / shaped as f64, policy))
+        .collect();
+    out.sort_by(|a, b| b.snr.total_cmp(&a.snr).then(a.effect.cmp(&b.effect)));
+    Ok(out)
+}
+
+fn one(candidate: &Candidate, shapes: &[DMatrix<f64>], level: f64, policy: &Policy) -> Foreseen {
+    let amplitude = &candidate.amplitudes[0];
+    let snr_of = |s: &DMatrix<f64>| {
+        let plausible = candidate.amplitudes.iter().zip(s.column_iter());
+        plausible.fold(nalgebra::DVector::zeros(s.nrows()), |sum, (a, c)| sum + c * a.plausible).norm()
+    };
+    let best =
+        (0..shapes.len()).max_by(|&a, &b| snr_of(&shapes[a]).total_cmp(&snr_of(&shapes[b])).then(b.cmp(&a)));
+    let snr = best.map_or(0.0, |i| snr_of(&shapes[i]));
+    let sides: Vec<Side> = candidate.amplitudes.iter().map(|a| a.side).collect();
+    let live: Vec<DMatrix<f64>> = shapes.iter().filter(|s| s.norm() > 0.0).cloned().collect();
+    let critical = if live.is_empty() {
+        f64::INFINITY
+    } else {
+        critical_fall(&Family { shapes: &live, sides: &sides }, level).max(policy.min_fall).sqrt()
+    };
+    let seen = |snr: f64| if critical.is_finite() { normal_sf(critical - snr) } else { 0.0 };
+    Foreseen {
+        effect: candidate.effect.clone(),
+        amplitude: amplitude.name.clone(),
+        plausible: amplitude.plausible,
+        shape: best.map_or_else(Vec::new, |i| candidate.shapes[i].parameters.clone()),
+        snr,
+        power: seen(snr),
+        least: (snr > 0.0).then(|| amplitude.plausible * (critical + NINETY) / snr),
+    }
+}
+
+/// The fall of χ² whose p-value is `level`.
+fn critical_fall(family: &Family, level: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 200.0);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if family.bound(middle) > level { low = middle } else { high = middle }
+    }
+    high
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use inverse::{Data, Free, Noise, NoiseModel, Prediction, Random};
+    use nalgebra::DVector;
+
+    const N: usize = 200;
+
+    fn column(f: impl Fn(f64) -> f64) -> DVector<f64> {
+        DVector::from_fn(N, |i, _| f(i as f64 / N as f64))
+    }
+
+    /// A line as base model, two effects that bend it, noise of sd 1.
+    fn setting(measured: &DVector<f64>) -> (Whitened, Vec<Candidate>) {
+        let name = String::from("a");
+        let data =
+            Data::from_parts([(name, measured.iter().copied().collect(), NoiseModel::white(1.0))]).unwrap();
+        let base = DMatrix::from_columns(&[column(|_| 1.0), column(|x| x)]);
+        let free = |path: &str| Free::new(path, (-1e3, 1e3), params::Transform::Identity, 0.0);
+        let prediction = Prediction::new(DVector::zeros(N), Some(base));
+        let white = Whitened::new(&data, &[free("a"), free("b")], &[0.0; 2], &prediction, Noise::Record);
+        let bend = Candidate::simple("bend", Side::Positive, 6.0, column(|x| x * x));
+        let wave = Candidate::simple("wave", Side::Both, 0.3, column(|x| (20.0 * x).sin()));
+        (white, vec![bend, wave])
+    }
+
+    #[test]
+    fn the_promised_power_is_the_share_of_noisy_records_that_the_screen_calls() {
+        let policy = Policy::default();
+        let (white, candidates) = setting(&DVector::zeros(N));
+        let foreseen = foresee(&white, &[false; 2], &candidates, N, &policy).unwrap();
+        let mut random = Random::new(9);
+        for f in &foreseen {
+            let candidate = candidates.iter().find(|c| c.effect == f.effect).unwrap();
+            // At the size of a power of one half, and at the plausible one.
+            let half = f.plausible * (f.least.unwrap() / f.plausible - NINETY / f.snr);
+            for (size, promised) in [(half, 0.5), (f.least.unwrap(), 0.9)] {
+                let truth = candidate.shapes[0].columns.column(0) * size;
+                let runs = 400;
+                let mut called = 0;
+                for _ in 0..runs {
+                    let record = &truth + random.normals(N);
+                    let (white, candidates) = setting(&record);
+                    let screen = crate::screen(&white, &[false; 2], &candidates, N, &policy).unwrap();
+                    called += usize::from(screen.finding(&f.effect).is_some_and(|s| s.significant));
+                }
+                let share = called as f64 / f64::from(runs);
+                assert!((share - promised).abs() < 0.08, "{}: {share} for {promised}", f.effect);
+            }
+        }
+    }
+
+    #[test]
+    fn what_the_base_imitates_is_not_seen() {
+        let (white, _) = setting(&DVector::zeros(N));
+        let shift = Candidate::simple("shift", Side::Both, 5.0, column(|x| 1.0 - 2.0 * x));
+        let foreseen = foresee(&white, &[false; 2], &[shift], N, &Policy::default()).unwrap();
+        assert!(foreseen[0].power < 1e-9 && foreseen[0].least.is_none());
+    }
+}

@@ -1,0 +1,129 @@
+//! What records are good for, in a dozen lines.
+
+use super::wrap;
+use analysis::{Doctor, Foresight, RecordFindings};
+
+/// Columns of a line.
+const WIDTH: usize = 94;
+/// Power that counts as seen, and as chance.
+const SEEN: f64 = 0.9;
+const FAINT: f64 = 0.5;
+/// Advice on what would show the rest: that many.
+const ADVISED: usize = 3;
+
+/// Lines of the doctor's answer; none where there is no record.
+pub fn doctor_lines(d: &Doctor) -> Vec<String> {
+    if d.records.is_empty() {
+        return Vec::new();
+    }
+    let mut out = vec!["What these records are good for".to_owned()];
+    for r in &d.records {
+        push(&mut out, &record(r));
+    }
+    let doubts = d.records.iter().flat_map(|r| r.advice.iter().map(move |a| (r, a)));
+    for (r, a) in doubts {
+        push(&mut out, &format!("WARNING {} ({}): {}. Remedy: {}.", r.test, a.fault, a.found, a.remedy));
+    }
+    match (&d.shows, &d.shows_not) {
+        (Some(f), _) => shows(&mut out, f),
+        (None, Some(why)) => {
+            push(
+                &mut out,
+                &format!("What they can show was not computed: {why}. Give start values near the tissue."),
+            );
+        }
+        (None, None) => {}
+    }
+    out
+}
+
+fn push(out: &mut Vec<String>, text: &str) {
+    out.extend(wrap(text, WIDTH, 2).lines().map(str::to_owned));
+}
+
+fn record(r: &RecordFindings) -> String {
+    let averaged =
+        if r.points < r.rows { format!(" (averaged to {} points)", r.points) } else { String::new() };
+    let noise = match (r.noise_n, r.noise_correlation, &r.noise_unknown) {
+        (Some(sd), correlation, _) => {
+            let kind = match correlation {
+                Some(c) if c != 0.0 => format!(", neighbours correlated {c:.2}"),
+                Some(_) => ", white".to_owned(),
+                None => ", as given".to_owned(),
+            };
+            format!(
+                "noise {sd:.2e} N ({:.1} % of the peak of {:.3} N{kind})",
+                100.0 * sd / r.peak_n,
+                r.peak_n
+            )
+        }
+        (None, _, why) => format!("noise unknown: {}", why.as_deref().unwrap_or("no estimate")),
+    };
+    let steadiness = if r.jitter_mm > 1e-4 * r.motion.to_mm {
+        format!("displacement jitters by {:.1e} mm", r.jitter_mm)
+    } else {
+        "steady displacement".to_owned()
+    };
+    format!(
+        "{}: {} rows{averaged}, one per {:.3} s; {noise}; {steadiness}; {}; {}",
+        r.test,
+        r.rows,
+        r.interval_s,
+        r.motion.words(),
+        if r.tears { "tears" } else { "does not tear" }
+    )
+}
+
+fn shows(out: &mut Vec<String>, f: &Foresight) {
+    let names = |keep: &dyn Fn(f64) -> bool| {
+        let list: Vec<&str> = f.effects.iter().filter(|e| keep(e.power)).map(|e| e.effect.as_str()).collect();
+        if list.is_empty() { "none".to_owned() } else { list.join(", ") }
+    };
+    let error = |k: &analysis::Known| format!("{} ±{:.0} %", k.path, 100.0 * k.relative_error);
+    let known: Vec<String> = f.parameters.iter().filter(|k| k.known).map(error).collect();
+    let open: Vec<&str> = f.parameters.iter().filter(|k| !k.known).map(|k| k.path.as_str()).collect();
+    let or_none = |list: String| if list.is_empty() { "none".to_owned() } else { list };
+    push(out, &format!("parameters they fix (standard error): {}", or_none(known.join(", "))));
+    push(out, &format!("parameters they leave open: {}", or_none(open.join(", "))));
+    push(out, &format!("effects they show at a plausible size: {}", names(&|p| p >= SEEN)));
+    push(out, &format!("effects they may miss: {}", names(&|p| (FAINT..SEEN).contains(&p))));
+    push(out, &format!("effects they hide: {}", names(&|p| p < FAINT)));
+    for (name, how) in f.hidden.iter().take(ADVISED) {
+        push(out, &format!("to show `{name}`: {how}"));
+    }
+    if f.hidden.len() > ADVISED {
+        push(out, "`fct design FILE` weighs protocols and cameras for the rest");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use analysis::Advice;
+
+    #[test]
+    fn a_doubt_is_told_with_its_remedy() {
+        let advice = Advice { fault: "tare", found: "the cell reads 1 N".into(), remedy: "tare it".into() };
+        let record = RecordFindings {
+            test: "uniaxial".into(),
+            rows: 20_000,
+            points: 420,
+            interval_s: 0.01,
+            duration_s: 200.0,
+            peak_n: 2.0,
+            noise_n: Some(0.01),
+            noise_correlation: Some(0.0),
+            noise_unknown: None,
+            resolution_n: 1e-4,
+            jitter_mm: 0.0,
+            motion: Default::default(),
+            tears: false,
+            advice: vec![advice],
+        };
+        let lines = doctor_lines(&Doctor { records: vec![record], shows: None, shows_not: None });
+        let text = lines.join(" ");
+        assert!(text.contains("20000 rows (averaged to 420 points)"), "{text}");
+        assert!(text.contains("Remedy: tare it") && text.contains("0.5 % of the peak"), "{text}");
+        assert!(lines.iter().all(|l| l.chars().count() <= WIDTH), "{lines:?}");
+    }
+}
