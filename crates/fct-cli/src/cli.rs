@@ -33,14 +33,16 @@ pub enum Command {
     New(With<new::Arguments, Makes>),
     /// From whatever a testing machine wrote to a record and a specimen
     #[command(
-        after_help = "Examples:\n  fct import pull.is_tens.csv --out strip\n  fct import pull.csv --force 3 --decimal , --out strip"
+        after_help = "Examples:\n  fct import strip_RawData_1.csv --geometry strip.toml --out strip\n  fct import Zug.TRA Riss.TRA --kind uniaxial,tearing --decimal , --force 'Load [kN]'"
     )]
     Import(Box<With<import::Arguments, Makes>>),
     /// Validate a file, print what is resolved with every default, say what its records are good for
     #[command(after_help = "Examples:\n  fct check strip.toml\n  fct check strip.toml > whole.toml")]
     Check(With<check::Arguments, Answers>),
     /// Before the test: which protocol would show which effects, and how well strength would be known
-    #[command(after_help = "Examples:\n  fct design strip.toml\n  fct design strip.toml --budget 30min --json")]
+    #[command(
+        after_help = "Examples:\n  fct design strip.toml\n  fct design strip.toml --budget 30min --json"
+    )]
     Design(With<design::Arguments, Answers>),
     /// Forward runs: curves, fields, energy ledger
     #[command(
@@ -189,7 +191,10 @@ mod tests {
             "report r",
             "ladder r",
         ] {
-            assert!(parsed(&format!("fct {command} --json --quiet --threads 2 --resume")).is_ok(), "{command}");
+            assert!(
+                parsed(&format!("fct {command} --json --quiet --threads 2 --resume")).is_ok(),
+                "{command}"
+            );
         }
         for command in ["simulate f", "identify f", "compare r", "diagnose r", "discover f", "batch f"] {
             assert!(parsed(&format!("fct {command} --out d --resume --figures pdf")).is_ok(), "{command}");
