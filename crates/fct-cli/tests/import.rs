@@ -112,10 +112,14 @@ fn other_commands_point_to_import() -> Tested {
 fn a_long_record_is_reduced_and_kept_whole_beside() -> Tested {
     let folder = tempfile::tempdir()?;
     let here = folder.path();
-    let row =
-        |i: usize| format!("{},{},{}\n", i as f64 / 100.0, i as f64 / 2000.0, (i as f64 / 1000.0).powi(2));
-    let text = format!("Time [s],Extension [mm],Load [N]\n{}", (0..6000).map(row).collect::<String>());
-    fs::write(here.join("tear.csv"), text)?;
+    // A cube modulo a prime is noise enough.
+    let noise = |i: usize| ((i * i * i * 7919 % 1009) as f64 - 504.0) * 1e-5;
+    let row = |i: usize, noise: f64| {
+        format!("{},{},{}\n", i as f64 / 100.0, i as f64 / 2000.0, (i as f64 / 1000.0).powi(2) + noise)
+    };
+    let head = "Time [s],Extension [mm],Load [N]\n";
+    fs::write(here.join("tear.csv"), (0..6000).fold(head.to_owned(), |t, i| t + &row(i, noise(i))))?;
+    fs::write(here.join("quiet.csv"), (0..6000).fold(head.to_owned(), |t, i| t + &row(i, 0.0)))?;
     fs::write(
         here.join("g.toml"),
         "[geometry]\nlength_mm = 8\nwidth_mm = 6.0\nthickness_um = 800\ncut_mm = 1\n",
@@ -131,6 +135,10 @@ fn a_long_record_is_reduced_and_kept_whole_beside() -> Tested {
     let specimen = fs::read_to_string(here.join("tear/specimen.toml"))?;
     assert!(specimen.contains("force_sd_N = "), "{specimen}");
     assert!(fct(here, &["check", "tear/specimen.toml"])?.status.success());
+    // No noise shows: none is declared, and `check` takes the specimen.
+    assert!(fct(here, &["import", "quiet.csv", "--geometry", "g.toml"])?.status.success());
+    assert!(!fs::read_to_string(here.join("quiet/specimen.toml"))?.contains("force_sd_N"));
+    assert!(fct(here, &["check", "quiet/specimen.toml"])?.status.success());
     let all = json(here, &["import", "tear.csv", "--geometry", "g.toml", "--points", "0", "--out", "all"])?.1;
     assert_eq!(all["tests"][0]["points"], 6000);
     Ok(())
