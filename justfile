@@ -69,6 +69,7 @@ fuzz:
     set -euo pipefail
     if [ -d /dev/shm ]; then export TMPDIR=/dev/shm; fi
     FCT_CASES=2500000 cargo test --release -p input --test robust _panic
+    FCT_CASES=250000 cargo test --release -p records --test round_trip
     FCT_CASES=100000 cargo test --release -p workspace-tests --test config_to_model
 
 # Changes the code of four crates, one place at a time, and asks their tests to notice (docs/reliability.md). Hours; needs `cargo install cargo-mutants --locked`. Without `--shard`: every mutant.

@@ -33,7 +33,7 @@ pub enum Command {
     New(With<new::Arguments, Makes>),
     /// From whatever a testing machine wrote to a record and a specimen
     #[command(
-        after_help = "Examples:\n  fct import pull.is_tens.csv --out strip\n  fct import pull.csv --force 3 --decimal , --out strip"
+        after_help = "Examples:\n  fct import strip_RawData_1.csv --geometry strip.toml --out strip\n  fct import Zug.TRA Riss.TRA --kind uniaxial,tearing --decimal , --force 'Load [kN]'"
     )]
     Import(Box<With<import::Arguments, Makes>>),
     /// Validate a file, print what is resolved with every default, say what its records are good for

@@ -64,6 +64,8 @@ pub(crate) struct Assigner<'a> {
     /// Whether two columns hold the same cells, or one the same cell in every row.
     pub same: &'a dyn Fn(usize, usize) -> bool,
     pub constant: &'a dyn Fn(usize) -> bool,
+    /// Whether a column holds times like 12:30:01.
+    pub clock: &'a dyn Fn(usize) -> bool,
 }
 
 /// Channels that a record must have or may have.
@@ -197,6 +199,16 @@ impl Assigner<'_> {
         let hinted = self.hints.units.iter().find(|(r, _)| *r == role).map(|u| u.1.to_owned());
         // A stretch is a ratio of lengths: it needs no unit.
         let pure = (role == Role::Stretch).then(|| "1".to_owned());
+        if role == Role::Time && (self.clock)(index) {
+            let unit = Unit { measure: Measure::Time, exponent: 0, factor: 1.0 };
+            return Ok(Column {
+                index,
+                role,
+                name: self.block.shown(index),
+                unit,
+                unit_text: "h:min:s".into(),
+            });
+        }
         let text = self.choices.units.get(role.flag()).cloned().or(written).or(hinted).or(pure);
         let name = self.block.shown(index);
         let examples: &[&str] = match role {

@@ -85,7 +85,7 @@ impl Geometry {
                     self.name.get_or_insert_with(|| s.text.clone());
                     continue;
                 }
-                Dimension::Rate => continue,
+                Dimension::Rate | Dimension::Note => continue,
             };
             let word = format!("{:?}", s.about).to_lowercase();
             match (s.value, &slot) {

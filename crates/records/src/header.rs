@@ -72,7 +72,7 @@ fn of_line(cells: &[String], k: usize, locale: Locale, hints: &Hints) -> Option<
         return None;
     }
     let measure = match about {
-        Dimension::Name => {
+        Dimension::Name | Dimension::Note => {
             return Some(Said { about, value: None, text: written, row: k + 1 });
         }
         Dimension::Rate => Measure::Speed,
@@ -126,6 +126,7 @@ mod tests {
                 (Dimension::Rate, Some(0.05)),
                 (Dimension::Name, None),
                 (Dimension::Cut, Some(1.5)),
+                (Dimension::Note, None),
             ]
         );
         let deben = Hints { units: &[(Role::Displacement, "mm")], ..Hints::default() };

@@ -69,7 +69,8 @@ pub struct Test {
     /// White noise of a row's force, N.
     #[serde(rename = "force_sd_of_rows_N")]
     pub force_sd_of_rows: f64,
-    /// Noise of a point's force, N: of a mean, allowing for noise that neighbouring rows share.
+    /// Noise of a point's force, N: of a mean, allowing for noise that neighbouring rows share; `None` where nothing was
+    /// reduced, or no noise shows.
     #[serde(rename = "force_sd_of_points_N")]
     pub force_sd_of_points: Option<f64>,
     /// Names of its segments.
@@ -260,6 +261,9 @@ fn by_table(rows: &mut Rows, tables: usize) {
     }
 }
 
+/// Less than this share of the largest force is rounding, no noise: none is declared then.
+const NO_NOISE: f64 = 1e-5;
+
 /// A test of the rows between two starts of the clock.
 fn test(mut rows: Rows, choices: &Choices) -> Result<Test, Vec<Fault>> {
     let fault = |row: Option<u32>, message: String, remedy: &str| {
@@ -295,12 +299,13 @@ fn test(mut rows: Rows, choices: &Choices) -> Result<Test, Vec<Fault>> {
     let size = reduced.as_ref().map_or(1, |r| r.1.rows_per_point);
     let (of_rows, of_points) = reduce::deviations(&rows, size);
     let last = rows.row.last().copied();
+    let peak = rows.force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
     Ok(Test {
         name: String::new(),
         kind: String::new(),
         file_rows: (first.unwrap_or(0), last.unwrap_or(0)),
         force_sd_of_rows: of_rows,
-        force_sd_of_points: reduced.as_ref().map(|_| of_points),
+        force_sd_of_points: reduced.as_ref().map(|_| of_points).filter(|sd| *sd > NO_NOISE * peak),
         segments,
         done,
         proposals,

@@ -60,18 +60,18 @@ pub(crate) fn inspect(rows: &mut Rows, choices: &Choices, out: &mut Vec<Found>) 
     rows.keep(&keep);
 }
 
-/// Single values that leave and come back, by more than noise and 3 % of the range.
+/// Single values that leave and come back, by more than noise, than 3 % of the range, and than five steps of their
+/// neighbours: the turn of a triangle is none.
 fn spikes(x: &[f64]) -> Vec<usize> {
     let limit = (15.0 * noise::sd(x)).max(0.03 * range(x));
-    if limit == 0.0 {
-        return Vec::new();
-    }
     let out = |i: &usize| {
         let (a, b) = (x[*i] - x[i - 1], x[*i] - x[i + 1]);
-        let jump = (x[i + 1] - x[i - 1]).abs();
-        a * b > 0.0 && a.abs().min(b.abs()) > limit && a.abs().min(b.abs()) > 3.0 * jump
+        let left = (x[i - 1] - x[i.saturating_sub(2)]).abs();
+        let right = (x[(i + 2).min(x.len() - 1)] - x[i + 1]).abs();
+        let least = a.abs().min(b.abs());
+        a * b > 0.0 && least > limit && least > 5.0 * left.max(right)
     };
-    (1..x.len().saturating_sub(1)).filter(out).collect()
+    if limit > 0.0 { (1..x.len().saturating_sub(1)).filter(out).collect() } else { Vec::new() }
 }
 
 /// The longest run of equal values at an extreme, if it is longer than runs elsewhere and the actuator moves in it.

@@ -59,3 +59,8 @@ pub use output::specimen;
 pub use physics::Proposal;
 pub use reduce::Reduction;
 pub use rows::Rows;
+
+/// The example of the README is compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -160,6 +160,22 @@ pub(crate) fn value(cell: &str, locale: Locale, power: i32) -> Option<f64> {
     size.is_finite().then_some(if negative { 0.0 - size } else { size })
 }
 
+/// Seconds of a time of day or a duration, `12:30:01.5` or `30:01`.
+pub(crate) fn clock(cell: &str, locale: Locale) -> Option<f64> {
+    let parts: Vec<&str> = cell.trim().split(':').collect();
+    if !(2..=3).contains(&parts.len()) {
+        return None;
+    }
+    let (last, front) = parts.split_last()?;
+    let mut seconds = 0.0;
+    for part in front {
+        let whole = !part.is_empty() && part.len() < 7 && part.bytes().all(|b| b.is_ascii_digit());
+        seconds = 60.0 * (seconds + whole.then(|| part.parse::<f64>().ok()).flatten()?);
+    }
+    let last = value(last, locale, 0).filter(|s| (0.0..60.0).contains(s))?;
+    Some(seconds + last)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -203,6 +219,15 @@ mod tests {
             "-",
         ] {
             assert_eq!(value(cell, POINT, 0), None, "{cell}");
+        }
+    }
+
+    #[test]
+    fn clocks_are_seconds() {
+        assert_eq!(clock("01:02:03.5", POINT), Some(3723.5));
+        assert_eq!(clock("2:03,25", COMMA), Some(123.25));
+        for cell in ["12", "1:2:3:4", "a:00", "1:75", "22.07.2014 07:20:41", ":", "1:-3"] {
+            assert_eq!(clock(cell, POINT), None, "{cell}");
         }
     }
 

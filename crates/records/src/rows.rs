@@ -2,7 +2,7 @@
 
 use crate::columns::Column;
 use crate::layout::Block;
-use crate::number::{Locale, is_missing, value};
+use crate::number::{Locale, clock, is_missing, value};
 use crate::text::Text;
 use crate::words::Role;
 
@@ -150,6 +150,9 @@ fn index_of(labels: &mut Vec<String>, label: &str) -> u32 {
 
 /// The number of a cell in the internal unit.
 fn number(cell: &str, column: &Column, locale: Locale) -> Option<f64> {
+    if column.role == Role::Time && cell.contains(':') {
+        return clock(cell, locale);
+    }
     let x = value(cell, locale, column.unit.exponent)?;
     let x = if column.unit.factor == 1.0 { x } else { x * column.unit.factor };
     x.is_finite().then_some(x)

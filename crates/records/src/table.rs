@@ -5,7 +5,7 @@ use crate::columns::{Assigner, Column};
 use crate::dialects::Hints;
 use crate::error::{Fault, Question};
 use crate::layout::Block;
-use crate::number::Locale;
+use crate::number::{self, Locale};
 use crate::sniff;
 use crate::text::Text;
 
@@ -77,7 +77,13 @@ fn with<T>(
         let mut ranges = Vec::new();
         i == j || lines().all(|k| cell(k, i, &mut ranges) == cell(k, j, &mut ranges))
     };
-    then(&Assigner { block, choices, hints, same: &same, constant: &constant })
+    let clock = |i: usize| {
+        let mut ranges = Vec::new();
+        let is_clock =
+            |c: String| ['.', ','].iter().any(|d| number::clock(&c, Locale { decimal: *d }).is_some());
+        lines().next().is_some_and(|k| is_clock(cell(k, i, &mut ranges)))
+    };
+    then(&Assigner { block, choices, hints, same: &same, constant: &constant, clock: &clock })
 }
 
 /// The decimal mark: said, declared, or counted over all cells that are used.

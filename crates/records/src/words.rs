@@ -264,6 +264,8 @@ pub enum Dimension {
     Rate,
     /// Name of the specimen.
     Name,
+    /// What somebody noted.
+    Note,
 }
 
 /// Keys of header lines, folded, a bar between them.
@@ -293,6 +295,10 @@ const DIMENSIONS: &[(Dimension, &str)] = &[
         Dimension::Name,
         "specimen|specimen label|specimen name|sample|sample name|probe|probenbezeichnung|\
          probenname|eprouvette|probka|nazwa probki|试样编号|specimen id",
+    ),
+    (
+        Dimension::Note,
+        "note|notes|comment|comments|remark|remarks|bemerkung|bemerkungen|commentaire|uwagi|komentarz|provenance|备注",
     ),
 ];
 

@@ -130,6 +130,11 @@ fn faults_of_rows_are_counted_with_their_rule() {
     let s = |a: &str, b: &str, c: &str| Some([a.to_owned(), b.to_owned(), c.to_owned()]);
     let clean = read(&record(|_| None), &[]);
     assert_eq!((kinds(&clean), clean.tests[0].full.row.len()), (vec![], 200));
+    // A turn between two rows is no spike, however far apart they are.
+    let turn =
+        |i: usize| [i as f64, 20.0 - (i as f64 - 20.0).abs(), 400.0 - (i as f64 - 20.0).powi(2).min(400.0)];
+    let rows: String = (0..41).map(turn).map(|[t, u, f]| format!("{t},{u},{f}\n")).collect();
+    assert_eq!(kinds(&read(&format!("{HEAD}{rows}"), &[])), []);
     let blank = read(&record(|i| if i == 7 || i == 90 { s("22.5", "NaN", "") } else { None }), &[]);
     assert_eq!(kinds(&blank), [(FaultKind::Missing, 2, "dropped")]);
     assert_eq!(blank.faults[0].rows, [9, 92]);

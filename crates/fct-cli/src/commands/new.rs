@@ -47,7 +47,12 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
         (config.as_str(), CONFIG.replace("NAME", name)),
         ("uniaxial.csv", UNIAXIAL.to_owned()),
         ("tearing.csv", TEARING.to_owned()),
+        ("raw/uniaxial_RawData_1.csv", raw(name, UNIAXIAL)),
+        ("raw/tearing_RawData_1.csv", raw(name, TEARING)),
     ];
+    let made =
+        |e| ::report::ReportError::Io { path: folder.join("raw"), action: "create the directory", source: e };
+    std::fs::create_dir_all(folder.join("raw")).map_err(made)?;
     let mut paths = Vec::new();
     for (file, content) in files {
         let path = folder.join(file);
@@ -58,8 +63,24 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let config = folder.join(&config);
     let text = format!(
         "written:\n{list}\nThe records are synthetic samples: put yours in their place, and your dimensions into\n\
-         specimen.toml. It runs as it is:\n  fct check {c}\n  fct identify {c}\n",
-        c = quoted_path(&config)
+         specimen.toml. It runs as it is:\n  fct check {c}\n  fct identify {c}\n\
+         raw/ holds the same records as an Instron's program writes them; so are yours read:\n  \
+         fct import {r}/uniaxial_RawData_1.csv --out {i}\n",
+        c = quoted_path(&config),
+        r = quoted_path(&folder.join("raw")),
+        i = quoted_path(&folder.join("imported"))
     );
     Outcome::new(&json!({ "schema": SCHEMA, "files": paths }), text)
+}
+
+/// A record as Instron's Bluehill exports it: what is known of the specimen, names, units, numbers.
+fn raw(name: &str, record: &str) -> String {
+    let header = format!(
+        "Text Inputs : Specimen label,\"{name}\"\nText Inputs : Note,\"synthetic sample, computed by fct\"\n\
+         General : Start Date,13/11/2025 5:14 PM\nDimension : Length,8.0,mm\nDimension : Width,6.0,mm\n\
+         Dimension : Thickness,0.8,mm\nDimension : Notch,1.5,mm\nNumber Inputs : Rate 1,3.00,mm/min\n\n\
+         Time,Extension,Load\n(sec),(mm),(N)\n"
+    );
+    let rows = record.lines().filter(|l| l.starts_with(|c: char| c.is_ascii_digit()));
+    rows.fold(header, |text, row| text + row + "\n")
 }

@@ -6,7 +6,7 @@ use super::{Cell, Faults, cells, lines, load};
 use crate::case::Record;
 use crate::diagnostics::{Diagnostic, Report, Sink};
 use crate::keys::plain;
-use crate::text::SourceFile;
+use crate::text::{SourceFile, visible};
 use params::Quantity::{Dimensionless, Force, Length, Time};
 use std::ops::Range;
 use std::path::Path;
@@ -28,7 +28,13 @@ const COLUMNS: [Column; 7] = [
 
 /// Reads a record. Faults go to the sink; `None` if there were any.
 pub(crate) fn read_record(path: &Path, sink: &Sink) -> Result<Option<Record>, Box<Diagnostic>> {
-    let file = load(path, WHAT)?;
+    let file = load(path, WHAT).map_err(|mut fault| {
+        // Another encoding is a testing machine's.
+        if fault.message.contains("UTF-") {
+            fault.help = Some(import_help(path));
+        }
+        fault
+    })?;
     sink.was_read(&file);
     let mut faults = Faults::new(&file, sink);
     let record = rows(&file, &mut faults);
@@ -39,6 +45,14 @@ pub(crate) fn read_record(path: &Path, sink: &Sink) -> Result<Option<Record>, Bo
     Ok(plausible(&file, sink, &record).then_some(record))
 }
 
+/// What to do with a file as a testing machine writes it.
+fn import_help(path: &Path) -> String {
+    format!(
+        "`fct import {}` makes one of whatever a testing machine wrote",
+        visible(&path.display().to_string())
+    )
+}
+
 fn rows(file: &SourceFile, faults: &mut Faults<'_>) -> Option<Record> {
     let mut lines = lines(file);
     let Some(first) = lines.next() else {
@@ -46,7 +60,11 @@ fn rows(file: &SourceFile, faults: &mut Faults<'_>) -> Option<Record> {
         return None;
     };
     let names = cells(file, first.clone(), faults)?;
-    let found = header(&names, &COLUMNS, faults)?;
+    let Some(found) = header(&names, &COLUMNS, faults) else {
+        let report = Report::error("this is no record as `fct` takes it").help(import_help(&file.path));
+        faults.sink.push(report.about(file.path.clone()));
+        return None;
+    };
     let mut reader = Rows::new(file, &found);
     for line in lines {
         if let Some(row) = cells(file, line.clone(), faults)

@@ -142,7 +142,10 @@ pub(crate) fn linked(s: &Section<'_>, name: &str, diagnostic: crate::diagnostics
     }
     let span: Range<usize> = s.entry(name).map_or(s.span.clone(), |e| e.item.span());
     let file = visible(&diagnostic.file.display().to_string());
-    let report = Report::error(format!("`{file}`: {}", diagnostic.message)).key(name);
+    let mut report = Report::error(format!("`{file}`: {}", diagnostic.message)).key(name);
+    if let Some(help) = diagnostic.help {
+        report = report.help(help);
+    }
     s.context.report(report, span);
 }
 

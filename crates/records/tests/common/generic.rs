@@ -40,6 +40,22 @@ pub fn physics() -> Vec<Variant> {
         |names: &str, line: fn(usize, [String; 3]) -> Vec<String>| format!("{names}\n{}", P.rows(line));
     let u = |i: usize| pull()[i][1];
     vec![
+        v(
+            "clock.csv",
+            "generic",
+            &with("Time,Extension [mm],Load [N]", |i, [_, u, f]| {
+                vec![
+                    format!(
+                        "0:{:02}:{:02}.{:03}",
+                        pull()[i][0] / 60_000,
+                        pull()[i][0] / 1000 % 60,
+                        pull()[i][0] % 1000
+                    ),
+                    u,
+                    f,
+                ]
+            }),
+        ),
         // 0.1 µm of 10 mm are 1e-5.
         v(
             "stretch.csv",

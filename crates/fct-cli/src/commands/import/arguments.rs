@@ -5,13 +5,8 @@ use records::{Choices, FaultKind, Flip, POINTS, Restart};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-const EXAMPLES: &str = "Examples:
-  fct import strip_RawData_1.csv --geometry strip.toml --out strip
-  fct import Zug.TRA Riss.TRA --kind uniaxial,tearing --decimal , --force 'Load [kN]' --rate 3mm/min";
-
 /// Arguments of `fct import`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
 pub struct Arguments {
     /// Files of the testing machine (text, xlsx, xls, ods), in the order of the tests on the piece
     #[arg(value_name = "FILE", required = true)]

@@ -5,6 +5,7 @@ use crate::session::Session;
 use ::report::figures::{Channels, ending, export, of_record};
 use ::report::write_atomic;
 use input::Figure as Format;
+use records::words::Dimension;
 use records::{Geometry, Import, Rows, Test};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -132,7 +133,9 @@ fn provenance(read: &[Import]) -> String {
         .iter()
         .map(|i| {
             let name = i.file.file_name().map_or_else(String::new, |f| f.to_string_lossy().into_owned());
-            format!("{name} ({})", i.reading.dialect)
+            let note = i.header.iter().find(|s| s.about == Dimension::Note);
+            let note = note.map_or_else(String::new, |n| format!(", which says: {}", n.text));
+            format!("{name} ({}{note})", i.reading.dialect)
         })
         .collect();
     let mut done: Vec<String> = Vec::new();
@@ -142,5 +145,5 @@ fn provenance(read: &[Import]) -> String {
         }
     }
     let done = if done.is_empty() { String::new() } else { format!("; {}", done.join("; ")) };
-    format!("measured; imported by fct {} from {}{done}", env!("CARGO_PKG_VERSION"), files.join(", "))
+    format!("imported by fct {} from {}{done}", env!("CARGO_PKG_VERSION"), files.join(", "))
 }
