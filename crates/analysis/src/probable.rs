@@ -166,3 +166,43 @@ pub fn probable(ladder: &FeLadder) -> Result<Probable, EvidenceError> {
     });
     Ok(Probable { explained_to: left.explained_to(PRACTICE), models: rows.collect(), rest: left, posterior })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A case's sizes, as the effects' own tests have them.
+    const SIZES: Scales = Scales {
+        peak_force: 0.9,
+        uniaxial_peak: 0.11,
+        displacement: 4.6,
+        uniaxial_displacement: 1.1,
+        duration: 300.0,
+        sampling: 0.5,
+        energy: 2e-2,
+        delta_c: 0.5,
+        sigma_c: 0.2,
+        opening_rate: 0.02,
+        fibre_strain: 0.25,
+    };
+
+    /// Every effect has an amplitude whose belief stands at neutral, reaches what a lab would call ordinary, and goes to its
+    /// admissible side alone.
+    #[test]
+    fn amplitudes_are_believed_around_neutral() {
+        for effect in effects::catalogue().iter() {
+            let (card, start) = (effect.card(), effect.start(&SIZES));
+            let specs = effect.parameters(&model::Options::new());
+            let (spec, bounds) = (&specs[0], (specs[0].lower, specs[0].upper));
+            let free = Free::new(spec.name.clone(), bounds, spec.transform, spec.start);
+            let b =
+                amplitude(&free, spec, 0, card, &start).unwrap_or_else(|| panic!("{}: no belief", card.name));
+            let neutral = spec.neutral.expect("an amplitude");
+            assert!((free.backward(b.mean) - neutral).abs() < 1e-9, "{}", card.name);
+            let reach = (free.forward(start[0]) - b.mean).abs() / b.sd;
+            assert!((0.5..2.0).contains(&reach), "{}: {reach}", card.name);
+            let (Screening::Score(side) | Screening::Refit(side)) = card.screening;
+            assert_eq!(b.lower >= b.mean, side == Sided::Positive, "{}", card.name);
+        }
+    }
+}

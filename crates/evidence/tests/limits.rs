@@ -214,3 +214,48 @@ fn intervals_allow_for_the_rest() {
     }
     assert!(wide >= 54 && narrow <= 30, "{wide} {narrow} of {repeats}");
 }
+
+/// A superset judged from its parent's columns is what the same model gives when asked directly; shapes share their prior.
+#[test]
+fn supersets_are_judged_from_columns() {
+    let n = 80;
+    let r = column(3, n, 0.15) + misfit(n, 0.03, 3);
+    let record = record(&data(&r, NoiseModel::white(0.03)), PEAK);
+    let (rest, prior) = (RestPrior::default(), evidence::SetPrior::of_catalogue(2));
+    let parent = linear(r.clone(), &[0, 1], base(), PEAK);
+    let shape = |kind: usize| {
+        let p = parameter("effects.bump.size", Belief::above(0.0, 0.1), true);
+        (vec![p], DMatrix::from_columns(&[column(kind, n, PEAK)]))
+    };
+    let names = ["bump".to_owned()];
+    let posterior = |shapes: Vec<_>| {
+        let extension = evidence::Extension { effects: names.to_vec(), shapes };
+        let asked = evidence::extend(&record, &parent, &extension, (&rest, &prior), Kernel::Plain);
+        let e = Evidence::of(&record, &parent, &rest, Kernel::Plain).expect("evidence");
+        let models =
+            [evidence::Judged::new(&[], &e, &rest, 1.0, &prior), asked.expect("evidence").expect("a shape")];
+        assert_eq!(evidence::to_fit(&evidence::Posterior::of(&models, &prior), &models), [names.to_vec()]);
+        evidence::Posterior::of(&models, &prior)
+    };
+    let one = posterior(vec![shape(3)]);
+    let direct = linear(r.clone(), &[0, 1, 3], with_effect(), PEAK);
+    let direct = Evidence::of(&record, &direct, &rest, Kernel::Plain).expect("evidence");
+    let e = Evidence::of(&record, &parent, &rest, Kernel::Plain).expect("evidence");
+    let want = evidence::Posterior::of(
+        &[
+            evidence::Judged::new(&[], &e, &rest, 1.0, &prior),
+            evidence::Judged::new(&names, &direct, &rest, 1.0, &prior),
+        ],
+        &prior,
+    );
+    assert!((one.effects["bump"] - want.effects["bump"]).abs() < 1e-12);
+    // Three further shapes that do not help leave a quarter of the odds.
+    let four = posterior(vec![shape(3), shape(5), shape(6), shape(7)]);
+    let odds = |p: f64| p / (1.0 - p);
+    let ratio = odds(four.effects["bump"]) / odds(one.effects["bump"]);
+    assert!((ratio - 0.25).abs() < 0.05, "{ratio}");
+    // An extension without shapes says nothing.
+    let empty = evidence::Extension { effects: names.to_vec(), shapes: Vec::new() };
+    let nothing = evidence::extend(&record, &parent, &empty, (&rest, &prior), Kernel::Plain);
+    assert!(nothing.expect("no fault").is_none());
+}
