@@ -199,8 +199,12 @@ fn camera_means(record: &Record, channel: &[Option<f64>], bins: &[Bin], time: &[
     (0..bins.len())
         .map(|i| {
             let (t, v) = means[i]?;
-            let near = |j: Option<usize>| j.and_then(|j| means.get(j).copied().flatten()).unwrap_or((t, v));
-            let (a, b) = (near(i.checked_sub(1)), near(Some(i + 1)));
+            // Not beyond a corner: the slope is another there.
+            let corner = |j: &usize| bins[*j].displacement.is_some() && bins[*j].hold_since.is_none();
+            let ahead = if corner(&i) { i } else { (i + 1..bins.len()).find(corner).unwrap_or(i) };
+            let behind = if corner(&i) { i } else { (0..i).rev().find(corner).unwrap_or(i) };
+            let a = (behind..i).rev().find_map(|j| means[j]).unwrap_or((t, v));
+            let b = (i + 1..=ahead).find_map(|j| means[j]).unwrap_or((t, v));
             let slope = if b.0 > a.0 { (b.1 - a.1) / (b.0 - a.0) } else { 0.0 };
             Some(v + slope * (time[i] - t))
         })
