@@ -87,9 +87,13 @@ mutants:
     run diagnose --shard 0/24 --timeout 60 -- --lib --tests -- --skip p_values_are --skip false_ --skip without_bias --skip steps_do_not
     run inverse --shard 0/12 --timeout 60 -- --lib --tests -- --skip white_noise --skip autocorrelated_noise --skip plain_sum --skip numerical_error_of --skip second_stage
 
-# Identify, discover and batch killed 67 times each; full disk, vanished directory, two runs on one directory.
+# Identify, discover and batch killed 167 times each and stopped by signals 67 times each; full disk, vanished directory.
 kills:
-    FCT_KILLS=67 cargo test --release -p fct-cli --test killed -- --nocapture
+    FCT_KILLS=167 FCT_SIGNALS=67 cargo test --release -p fct-cli --test killed -- --nocapture --test-threads 1
+
+# Every file of a run directory damaged in nine ways, read by every command.
+damaged:
+    FCT_EVERY=1 cargo test --release -p fct-cli --test damaged -- --nocapture
 
 # Licence of every crate that is linked into fct, and crates that come in two versions.
 audit:
@@ -112,6 +116,10 @@ book-html:
 semver revision="HEAD~1":
     cargo semver-checks --workspace --baseline-rev {{revision}}
 
+# Every hostile file and command line, every number of the tables at values that nobody means (minutes).
+hostile:
+    FCT_HOSTILE=all cargo test -p fct-cli --test hostile --test command_lines -- --nocapture
+    FCT_ALL=1 cargo test -p workspace-tests --test every_number -- --nocapture
 # The power that `fct design` promises against noisy repeats, effect by effect; and long records with jitter (minutes each).
 design-power:
     cargo test -p analysis --lib repeats -- --ignored --nocapture

@@ -9,6 +9,7 @@ const MAY_SEE: &[(&str, &[&str])] = &[
     // 0
     ("params", &[]),
     ("mesh", &[]),
+    ("records", &[]),
     // 1
     ("constitutive", &["params"]),
     ("input", &["params"]),
@@ -18,11 +19,15 @@ const MAY_SEE: &[(&str, &[&str])] = &[
     ("cohesive", &["constitutive", "params"]),
     ("fem", &["constitutive", "mesh", "params"]),
     ("diagnose", &["inverse", "params"]),
+    ("evidence", &["inverse", "params"]),
     // 3
     ("model", &["cohesive", "constitutive", "fem", "hgo", "input", "inverse", "mesh", "params"]),
     // 4
     ("effects", &["cohesive", "constitutive", "hgo", "input", "model", "params"]),
-    ("analysis", &["constitutive", "diagnose", "fem", "hgo", "input", "inverse", "model", "params"]),
+    (
+        "analysis",
+        &["constitutive", "diagnose", "evidence", "fem", "hgo", "input", "inverse", "model", "params"],
+    ),
     // cohesive, constitutive, fem: the fields it writes (stress, damage) are computed from states.
     (
         "report",
@@ -40,7 +45,10 @@ const MAY_SEE: &[(&str, &[&str])] = &[
         ],
     ),
     // 5
-    ("fct-cli", &["analysis", "diagnose", "effects", "input", "inverse", "model", "params", "report"]),
+    (
+        "fct-cli",
+        &["analysis", "diagnose", "effects", "input", "inverse", "model", "params", "records", "report"],
+    ),
     // See all.
     ("hidden-suite", &["*"]),
     ("workspace-tests", &["*"]),
@@ -138,7 +146,7 @@ fn finite_elements_know_no_material() {
 #[test]
 fn statistics_know_no_mechanics() {
     let graph = graph();
-    for name in ["inverse", "diagnose"] {
+    for name in ["inverse", "diagnose", "evidence"] {
         let seen = reaches(&graph, name);
         for mechanics in ["constitutive", "hgo", "cohesive", "mesh", "fem", "model", "effects"] {
             assert!(!seen.contains(mechanics), "{name} reaches {mechanics}");
@@ -149,7 +157,7 @@ fn statistics_know_no_mechanics() {
 #[test]
 fn ground_floor_sees_nothing() {
     let graph = graph();
-    for name in ["params", "mesh"] {
+    for name in ["params", "mesh", "records"] {
         assert!(graph[name].0.is_empty(), "{name}: {:?}", graph[name].0);
     }
 }

@@ -19,6 +19,7 @@ fn main() {
                 policy: policy.clone(),
                 progress: &progress,
                 cancelled: &|| false,
+                journal: &analysis::NoJournal,
             },
         ) {
             Ok(l) => l,

@@ -34,7 +34,8 @@ fn main() {
             }
             *l = now;
         };
-        let control = analysis::Control { progress: &progress, cancelled: &|| false };
+        let control =
+            analysis::Control { progress: &progress, cancelled: &|| false, journal: &analysis::NoJournal };
         match analysis::identify(Arc::new(case), &cat, &control) {
             Err(e) => println!("{path}: {e}"),
             Ok(d) => {

@@ -2,8 +2,10 @@
 
 use crate::compare::{self, Where};
 use crate::identify::AnalysisError;
+use crate::journal::Journal;
 use crate::ladder::{FeLadder, How, NextTest};
 use crate::parsimony::OneStrength;
+use crate::probable::{Probable, probable};
 use crate::problem::Cancelled;
 use diagnose::{Finding, Policy, Rung, Screen, Verdict};
 use input::{Case, EffectConfig};
@@ -98,6 +100,9 @@ pub struct DiscoverAnswer {
     pub one_strength: Option<OneStrength>,
     /// What would separate the rivals.
     pub next_test: Option<NextTest>,
+    /// Probabilities of what was fitted, and what is left.
+    #[serde(flatten)]
+    pub probable: Option<Probable>,
     /// Forward runs.
     pub forward_runs: usize,
     /// Wall time, s.
@@ -176,10 +181,12 @@ pub fn diagnose(
     catalogue: &Catalogue,
     progress: &(dyn Fn(&str) + Sync),
     cancelled: Cancelled,
+    journal: &dyn Journal,
 ) -> Result<DiscoverAnswer, AnalysisError> {
     let start = Instant::now();
     let policy = Policy::default();
-    let mut ladder = FeLadder::new(case, How { catalogue, policy: policy.clone(), progress, cancelled })?;
+    let mut ladder =
+        FeLadder::new(case, How { catalogue, policy: policy.clone(), progress, cancelled, journal })?;
     let rung = diagnose::Ladder::fit(&mut ladder, &[], &diagnose::Hints::new())?;
     let screen = diagnose::Ladder::screen(&mut ladder, &rung)?;
     let explained = rung.explained(&policy);
@@ -202,12 +209,14 @@ pub fn diagnose(
         "A screen is a linear prediction: `fct discover` refits the candidates before it names one.".into(),
     );
     let group = |f: &&Finding| std::iter::once(f.effect.clone()).chain(f.look_alikes.clone()).collect();
+    let answer = answer(&ladder, &screen, start, &policy);
+    words.extend(answer.probable.iter().map(Probable::sentence));
     Ok(DiscoverAnswer {
         found: called.first().map(|f| vec![f.effect.clone()]).unwrap_or_default(),
         groups: called.first().map(|f| vec![group(f)]).unwrap_or_default(),
         verdict: verdict.to_owned(),
         words,
-        ..answer(&ladder, &screen, start, &policy)
+        ..answer
     })
 }
 
@@ -227,6 +236,7 @@ fn answer(ladder: &FeLadder, screen: &Screen, start: Instant, policy: &Policy) -
         place: compare::places(&compare::residuals_of(ladder)),
         one_strength: None,
         next_test: None,
+        probable: probable(ladder).inspect_err(|why| ladder.say(&format!("no probabilities: {why}"))).ok(),
         forward_runs: ladder.runs(),
         seconds: start.elapsed().as_secs_f64(),
     }
@@ -241,18 +251,25 @@ pub fn discover(
     catalogue: &Catalogue,
     progress: &(dyn Fn(&str) + Sync),
     cancelled: Cancelled,
+    journal: &dyn Journal,
 ) -> Result<DiscoverAnswer, AnalysisError> {
     let start = Instant::now();
     let policy = Policy::default();
-    let mut ladder = FeLadder::new(case, How { catalogue, policy: policy.clone(), progress, cancelled })?;
+    let mut ladder =
+        FeLadder::new(case, How { catalogue, policy: policy.clone(), progress, cancelled, journal })?;
     let d = ladder.search()?;
+    let answer = answer(&ladder, &d.screen, start, &policy);
+    let mut words = vec![diagnose::words::verdict(&d, &policy)];
+    words.extend(answer.probable.iter().map(Probable::sentence));
     Ok(DiscoverAnswer {
         ladder: d.ladder.iter().map(|r| ladder_row(&ladder, r)).collect(),
         found: d.found.clone(),
         groups: d.groups.clone(),
         verdict: word(d.verdict).to_owned(),
-        words: vec![diagnose::words::verdict(&d, &policy)],
+        words,
         next_test: ladder.next_test(&d),
-        ..answer(&ladder, &d.screen, start, &policy)
+        forward_runs: ladder.runs(),
+        seconds: start.elapsed().as_secs_f64(),
+        ..answer
     })
 }

@@ -42,7 +42,8 @@ pub struct Residuals {
 }
 
 impl Residuals {
-    fn chi2(&self) -> f64 {
+    /// Sum of squared misfits over the noise.
+    pub fn chi2(&self) -> f64 {
         self.misfit.iter().map(|r| (r / self.noise.max(f64::MIN_POSITIVE)).powi(2)).sum()
     }
 }

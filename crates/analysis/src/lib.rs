@@ -9,10 +9,12 @@ mod design;
 mod doctor;
 mod held_out;
 mod identify;
+mod journal;
 mod ladder;
 mod needs;
 mod parsimony;
 mod priors;
+mod probable;
 mod problem;
 mod reach;
 mod simulate;
@@ -26,15 +28,17 @@ pub use compare::{
 };
 pub use condense::condensed;
 pub use data::{Measured, RecordError, Slot};
-pub use design::{DesignAnswer, DesignRequest, Foresight, Known, Variant, Weighed, design};
+pub use design::{DesignAnswer, DesignRequest, Foresight, Known, RatedProtocol, Variant, design};
 pub use doctor::{Advice, Doctor, RecordFindings, doctor};
 pub use held_out::HeldOut;
 pub use identify::{
     AnalysisError, Control, HistoryEntry, Identified, Progress, Stage, frees, identify, run_options,
 };
+pub use journal::{Journal, NoJournal};
 pub use ladder::{FeLadder, Fitted, How, NextTest, Tried};
 pub use needs::{Need, needs};
 pub use parsimony::{OneStrength, one_strength};
+pub use probable::{Probable, Weighed, probable};
 pub use problem::{Cancelled, FeProblem};
 pub use simulate::{SimulateControl, Simulated, SimulatedTest, replay, simulate};
 pub use start::start_at;

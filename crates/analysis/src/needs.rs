@@ -74,8 +74,7 @@ impl Holds {
 /// The sentence on one effect whose record lacks something.
 fn sentence(effect: &dyn Effect, holds: &str, add: &str) -> String {
     let card = effect.card();
-    let named = card.look_alikes.iter().map(|r| format!("`{r}`"));
-    let rivals: Vec<String> = named.chain(effect.strangers().iter().map(|&s| s.to_owned())).collect();
+    let rivals: Vec<String> = card.look_alikes.iter().map(|r| format!("`{r}`")).collect();
     let rivals = if rivals.is_empty() { "the base parameters".to_owned() } else { rivals.join(" or ") };
     format!("these records hold {holds}: `{}` cannot be told from {rivals}; add {add}", card.name)
 }
@@ -94,12 +93,6 @@ pub(crate) fn untold(case: &Case, catalogue: &Catalogue, effect: &str) -> Vec<St
     let of_time = |name: &&&str| catalogue.get(name).is_some_and(|e| e.card().needs.contains(&TIME));
     untimed(case, catalogue, effect)
         .map_or(Vec::new(), |e| e.card().look_alikes.iter().filter(of_time).map(|&n| n.to_owned()).collect())
-}
-
-/// Causes outside the catalogue that look like this effect on such records.
-pub(crate) fn strangers(case: &Case, catalogue: &Catalogue, effect: &str) -> Vec<String> {
-    untimed(case, catalogue, effect)
-        .map_or(Vec::new(), |e| e.strangers().iter().map(|&n| n.to_owned()).collect())
 }
 
 /// Effects of a case that its records cannot show (faults) or hardly tell from others (remarks): where each stands in
@@ -166,23 +159,18 @@ mod tests {
     fn at_one_rate_effects_of_time_are_not_told_from_each_other_nor_from_play() {
         let (root, catalogue) = (tempfile::tempdir().expect("a folder"), effects::catalogue());
         let loops = case(root.path(), &[(0.0, 0.0), (10.0, 1.0), (15.0, 0.5), (25.0, 1.5)]);
-        assert_eq!(untold(&loops, &catalogue, "lag"), ["viscoelastic"]);
+        assert_eq!(untold(&loops, &catalogue, "lag"), ["viscoelastic", "backlash"]);
         assert_eq!(untold(&loops, &catalogue, "viscoelastic"), ["lag"]);
-        assert_eq!(strangers(&loops, &catalogue, "lag"), ["play in the rig"]);
+        assert_eq!(untold(&loops, &catalogue, "backlash"), ["lag"]);
         // Its look-alikes are no effects of time.
         assert!(untold(&loops, &catalogue, "rate_dependent_strength").is_empty());
-        assert!(
-            untold(&loops, &catalogue, "mullins").is_empty()
-                && strangers(&loops, &catalogue, "mullins").is_empty()
-        );
+        assert!(untold(&loops, &catalogue, "mullins").is_empty());
         let lag = catalogue.get("lag").expect("there is one");
         assert_eq!(
             sentence(&**lag, "one rate", "a hold"),
-            "these records hold one rate: `lag` cannot be told from `viscoelastic` or play in the rig; add a hold"
+            "these records hold one rate: `lag` cannot be told from `viscoelastic` or `backlash`; add a hold"
         );
         let held = case(root.path(), &[(0.0, 0.0), (10.0, 1.0), (60.0, 1.0), (65.0, 0.5), (75.0, 1.5)]);
-        assert!(
-            untold(&held, &catalogue, "lag").is_empty() && strangers(&held, &catalogue, "lag").is_empty()
-        );
+        assert!(untold(&held, &catalogue, "lag").is_empty());
     }
 }

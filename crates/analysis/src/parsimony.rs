@@ -3,6 +3,7 @@
 
 use crate::answer::{DiscoverAnswer, LadderRow, ladder_row, word};
 use crate::identify::AnalysisError;
+use crate::journal::Journal;
 use crate::ladder::{FeLadder, How};
 use crate::problem::Cancelled;
 use diagnose::{Hints, Ladder, Policy, Rung, Verdict};
@@ -40,6 +41,7 @@ pub fn one_strength(
     search: &DiscoverAnswer,
     progress: &(dyn Fn(&str) + Sync),
     cancelled: Cancelled,
+    journal: &dyn Journal,
 ) -> Result<Option<OneStrength>, AnalysisError> {
     let Some(many) = search.ladder.last().filter(|_| case.interface.areas >= MANY) else { return Ok(None) };
     if search.verdict == word(Verdict::Unexplained) {
@@ -48,7 +50,7 @@ pub fn one_strength(
     progress("one strength along the path, for comparison");
     let policy = Policy::default();
     let said = |line: &str| progress(&format!("one strength: {line}"));
-    let how = How { catalogue, policy: policy.clone(), progress: &said, cancelled };
+    let how = How { catalogue, policy: policy.clone(), progress: &said, cancelled, journal };
     let (rungs, rows) = if many.forms.len() > case.effects.len() {
         let mut found = case.clone();
         found.effects.clone_from(&many.forms);

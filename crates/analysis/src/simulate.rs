@@ -5,6 +5,8 @@ use crate::identify::{AnalysisError, Identified, run_options};
 use crate::problem::Cancelled;
 use fem::{FemError, History, MarchOptions, Run, State, Target, march};
 use input::{Case, Control, TestKind};
+use inverse::PredictError;
+use model::cost::Purpose;
 use model::{
     BuildError, Catalogue, Discretisation, LONG_REST, Model, Plan, RunIndex, RunOptions, Sample, camera,
     plan_simulation,
@@ -91,7 +93,7 @@ pub fn simulate(
     control: &SimulateControl,
 ) -> Result<Simulated, AnalysisError> {
     let how = Discretisation { idle_neutral: true, ..Discretisation::default() };
-    let model = Model::new(case.clone(), catalogue, how)?;
+    let model = Model::checked(case.clone(), catalogue, how, Purpose::Simulation)?;
     let mut march = run_options(&case).march;
     march.ledger = true;
     march.keep_states = true;
@@ -106,7 +108,8 @@ pub fn simulate(
 /// for fields, energy ledger and figures.
 ///
 /// # Errors
-/// [`AnalysisError::Build`] when a solver cannot be set up.
+/// [`AnalysisError::Build`] when a solver cannot be set up; [`PredictError::Interrupted`] when the user stopped it: energies
+/// of a part of the record are none of the model's.
 pub fn replay(
     identified: &Identified,
     control: &SimulateControl,
@@ -116,7 +119,11 @@ pub fn replay(
     let march = MarchOptions { ledger: true, keep_states: true, ..options.march };
     let tests: Vec<(Plan, MarchOptions)> =
         (0..model.tests.len()).map(|t| (model.plan(t, &options), march)).collect();
-    run_all(model, &identified.theta, &tests, control)
+    let replayed = run_all(model, &identified.theta, &tests, control)?;
+    if (control.cancelled)() && replayed.iter().any(|t| t.failure.is_some()) {
+        return Err(PredictError::Interrupted.into());
+    }
+    Ok(replayed)
 }
 
 /// Steps of one test as the contract asks for them.

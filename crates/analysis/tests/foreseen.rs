@@ -4,7 +4,7 @@
 #[allow(dead_code)]
 mod small;
 
-use analysis::{DesignRequest, Weighed, design};
+use analysis::{DesignRequest, RatedProtocol, design};
 use input::Case;
 use std::path::Path;
 use std::sync::Arc;
@@ -40,7 +40,7 @@ fn a_design_prefers_protocols_that_show_more() {
     let request = DesignRequest { budget_s: 3600.0, rivals, range_n: Some(1e-3), ..DesignRequest::default() };
     let answer = design(&case, &effects::catalogue(), &request, &|_| {}, &|| false).expect("a design");
     let of = |name: &str| answer.protocols.iter().find(|p| p.name == name).expect("weighed");
-    let snr = |w: &Weighed, effect: &str| {
+    let snr = |w: &RatedProtocol, effect: &str| {
         w.force.effects.iter().find(|e| e.effect == effect).map_or(0.0, |e| e.snr)
     };
     for (protocol, effect) in [("loops", "mullins"), ("loops", "permanent_set"), ("holds", "viscoelastic")] {
@@ -48,8 +48,9 @@ fn a_design_prefers_protocols_that_show_more() {
         assert!(with > 1.5 * without, "{effect}: {with} with {protocol}, {without} without");
     }
     assert_ne!(answer.protocols[0].name, "pull");
-    let gc =
-        |w: &Weighed| w.force.parameters.iter().find(|k| k.path.ends_with("gc")).expect("gc").relative_error;
+    let gc = |w: &RatedProtocol| {
+        w.force.parameters.iter().find(|k| k.path.ends_with("gc")).expect("gc").relative_error
+    };
     assert!(gc(&answer.protocols[0]) > 0.0 && gc(&answer.protocols[0]) < 0.5);
     // A camera takes nothing away.
     for w in &answer.protocols {

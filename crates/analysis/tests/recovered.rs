@@ -129,7 +129,7 @@ fn recovered(base: &Case, catalogue: &Catalogue, effect: &Arc<dyn Effect>, seed:
     begun[0] = neutral + BEGIN * (values[0] - neutral);
     let mut fit = with(base, effect, &begun);
     record(&mut fit, &forces(&truth, catalogue), &mut Random::new(seed));
-    let control = Control { progress: &|_| {}, cancelled: &|| false };
+    let control = Control { progress: &|_| {}, cancelled: &|| false, journal: &analysis::NoJournal };
     let found: Identified =
         identify(Arc::new(fit), catalogue, &control).unwrap_or_else(|e| panic!("{name}: {e}"));
     let path = format!("effects.{name}.{}", truth.effects[0].specs[0].name);

@@ -170,11 +170,6 @@ pub trait Ladder {
         Vec::new()
     }
 
-    /// Causes that nothing here describes, in words, and that these records cannot tell from `effect` either.
-    fn strangers(&self, _effect: &str) -> Vec<String> {
-        Vec::new()
-    }
-
     /// Whether the user asked to stop; the search then ends with what it has.
     fn interrupted(&self) -> bool {
         false

@@ -17,9 +17,9 @@ pub fn finding(f: &Finding, policy: &Policy) -> String {
     let alike = alike(&f.look_alikes);
     if f.set_aside {
         return format!(
-            "{name} would take away {:.0} % of χ² (p = {}): as little as the error of the mesh may do. A small amount of it cannot be excluded.{alike}",
+            "{name} would take away {:.0} % of χ² ({}): as little as the error of the mesh may do. A small amount of it cannot be excluded.{alike}",
             100.0 * f.expected_fall,
-            p_value(f.p_shown())
+            p_is(f.p_shown())
         );
     }
     if f.significant {
@@ -30,9 +30,9 @@ pub fn finding(f: &Finding, policy: &Policy) -> String {
             .map(|(name, value)| format!("{name} ≈ {}", short(*value)))
             .collect();
         return format!(
-            "{name} would take away {:.0} % of χ² (p = {}), with {}.{alike}",
+            "{name} would take away {:.0} % of χ² ({}), with {}.{alike}",
             100.0 * f.expected_fall,
-            p_value(f.p_shown()),
+            p_is(f.p_shown()),
             estimate.join(", ")
         );
     }
@@ -49,8 +49,8 @@ pub fn finding(f: &Finding, policy: &Policy) -> String {
         _ => String::new(),
     };
     format!(
-        "{name} is not called for (p = {}{cautious}), though a plausible amount would show.",
-        p_value(f.p_shown())
+        "{name} is not called for ({}{cautious}), though a plausible amount would show.",
+        p_is(f.p_shown())
     )
 }
 
@@ -180,10 +180,33 @@ pub fn join<S: AsRef<str>>(names: &[S], last: &str) -> String {
 }
 
 /// Three significant digits.
+/// Three significant digits, with an exponent where many zeros would stand.
 fn short(x: f64) -> String {
-    if x != 0.0 && (x.abs() < 1e-3 || x.abs() >= 1e4) { format!("{x:.2e}") } else { format!("{x:.3}") }
+    if x == 0.0 || !x.is_finite() {
+        return format!("{x}");
+    }
+    let magnitude = x.abs().log10().floor();
+    if (-3.0..4.0).contains(&magnitude) {
+        let decimals = (2.0 - magnitude).max(0.0) as usize;
+        format!("{x:.decimals$}")
+    } else {
+        format!("{x:.2e}")
+    }
 }
 
+/// A p-value with its name.
+fn p_is(p: f64) -> String {
+    let p = p_value(p);
+    if p.starts_with('<') { format!("p {p}") } else { format!("p = {p}") }
+}
+
+/// A p-value; a tail beyond what a double holds well is said to be below it.
 fn p_value(p: f64) -> String {
-    if p < 1e-3 { format!("{p:.0e}") } else { format!("{p:.3}") }
+    if p < 1e-99 {
+        "< 1e-99".into()
+    } else if p < 1e-3 {
+        format!("{p:.0e}")
+    } else {
+        format!("{p:.3}")
+    }
 }

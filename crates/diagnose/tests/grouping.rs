@@ -34,10 +34,6 @@ impl Ladder for Table {
         let pair = self.untold.iter().find(|pair| pair.contains(&effect));
         pair.map_or(Vec::new(), |pair| pair.iter().filter(|e| **e != effect).map(|e| (*e).into()).collect())
     }
-
-    fn strangers(&self, effect: &str) -> Vec<String> {
-        if effect == "late" { vec!["play in the rig".into()] } else { Vec::new() }
-    }
 }
 
 /// The base model and two effects, the second with two parameters more, by their χ².
@@ -109,16 +105,4 @@ fn two_that_cannot_be_told_apart_stand_in_each_others_group() {
         discover(&mut table, &Policy::default(), &mut |_| ()).expect("the base model is in the table");
     assert_eq!(found.verdict, Verdict::Ambiguous);
     assert_eq!(found.groups, [["lag", "viscoelastic"], ["viscoelastic", "lag"]]);
-}
-
-#[test]
-fn what_no_catalogue_holds_stands_in_the_group_too() {
-    let rungs = [rung(&[], 1700.0, 13), rung(&["late"], 700.0, 14)].map(|r| (r.effects.join("+"), r)).into();
-    let mut table = Table { rungs, findings: vec![finding("late", 1000.0)], untold: None };
-    let found =
-        discover(&mut table, &Policy::default(), &mut |_| ()).expect("the base model is in the table");
-    assert_eq!(
-        (found.verdict, found.groups),
-        (Verdict::Ambiguous, vec![vec!["late".into(), "play in the rig".into()]])
-    );
 }

@@ -34,7 +34,7 @@ fn finding() -> Finding {
 fn a_finding_is_one_of_five_sentences() {
     let say = |f: &Finding| words::finding(f, &Policy::default());
     let f = finding();
-    assert_eq!(say(&f), "drift would take away 25 % of χ² (p = 2e-9), with g ≈ 0.123, tau ≈ 12.500.");
+    assert_eq!(say(&f), "drift would take away 25 % of χ² (p = 2e-9), with g ≈ 0.123, tau ≈ 12.5.");
     let alike = Finding { look_alikes: ["a", "b", "c"].map(String::from).to_vec(), ..f.clone() };
     assert!(say(&alike).ends_with(" These records cannot tell it from a, b or c."), "{}", say(&alike));
     let aside = Finding { set_aside: true, ..f.clone() };
@@ -54,13 +54,13 @@ fn a_finding_is_one_of_five_sentences() {
             .starts_with("drift cannot be seen in these records: a plausible amount shows at 3.2 noise")
     );
     // Three digits, in powers of ten where they would be lost.
-    for (x, said) in
-        [(0.0, "0.000"), (1e-3, "0.001"), (-9e-4, "-9.00e-4"), (9999.0, "9999.000"), (-1e4, "-1.00e4")]
+    for (x, said) in [(0.0, "0"), (1e-3, "0.00100"), (-9e-4, "-9.00e-4"), (9999.0, "9999"), (-1e4, "-1.00e4")]
     {
         let f = Finding { amplitudes: vec![("g".into(), x)], shape: vec![], ..f.clone() };
         assert!(say(&f).ends_with(&format!("with g ≈ {said}.")), "{}", say(&f));
     }
     assert!(say(&Finding { p_value: 1e-3, ..faint.clone() }).contains("(p = 0.001)"));
+    assert!(say(&Finding { p_value: 1e-300, ..f.clone() }).contains("(p < 1e-99)"));
     assert!(say(&Finding { p_value: 9e-4, ..faint.clone() }).contains("(p = 9e-4)"));
     // The noise as estimated is what is said; where it alone would call the effect, so is a sceptic's.
     let both = |p_estimated: f64, p_value: f64| {

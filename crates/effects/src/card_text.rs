@@ -97,13 +97,6 @@ fn facts(effect: &dyn Effect) -> Vec<(&'static str, String)> {
         ("needs", or_none(card.needs)),
         ("screening", screening(card)),
     ];
-    if !effect.strangers().is_empty() {
-        let words = format!(
-            "{}, which no effect describes, on records without what is needed",
-            or_none(effect.strangers())
-        );
-        facts.push(("looks like", words));
-    }
     if !card.excludes.is_empty() {
         facts.push(("not together with", card.excludes.join(", ")));
     }

@@ -23,6 +23,7 @@ pub fn catalogue() -> Catalogue {
         .with(Arc::new(load_train::GripSlip))
         .with(Arc::new(load_train::Slack))
         .with(Arc::new(load_train::Misalignment))
+        .with(Arc::new(load_train::Backlash))
         .with(Arc::new(specimen::ThicknessTaper))
         .with(Arc::new(specimen::CutLength))
         .with(Arc::new(specimen::Prestretch))

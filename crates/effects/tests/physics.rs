@@ -55,6 +55,89 @@ fn a_relaxation_is_one_exponential_and_does_not_ask_for_small_steps() {
     }
 }
 
+/// Exponential integral E₁ (Abramowitz & Stegun 5.1.11 and 5.1.22).
+fn e1(x: f64) -> f64 {
+    if x > 700.0 {
+        return 0.0;
+    }
+    if x <= 1.5 {
+        let terms = (1..60).scan(1.0, |t, k| {
+            *t *= -x / f64::from(k);
+            Some(*t / f64::from(k))
+        });
+        return -0.577_215_664_901_532_9 - x.ln() - terms.sum::<f64>();
+    }
+    let tail = (1..300).rev().fold(0.0, |f, k| f64::from(k) / (1.0 + f64::from(k) / (x + f)));
+    (-x).exp() / (x + tail)
+}
+
+/// Fung's reduced relaxation function, one step to each time or many, over four decades and two around them.
+#[test]
+fn a_spectrum_relaxes_by_exponential_integrals() {
+    assert!(
+        (e1(1.0) - 0.219_383_934_395_520_3).abs() < 1e-14
+            && (e1(2.0) - 0.048_900_510_708_061_1).abs() < 1e-13
+    );
+    let word = |s: &str| input::OptionValue::Text(s.into());
+    let options = model::Options::from([("relaxation".to_owned(), word("spectrum"))]);
+    let law = wrap_bulk_with(&*named("viscoelastic"), &options, Arc::new(hgo::Hgo::default())).unwrap();
+    let base = drive(&hgo::Hgo::default(), &TISSUE, &at(&[(0.0, stretched(1.15))])).force[0];
+    let slow = difference(&base, 1.15);
+    for (own, decades, tolerance) in
+        [([0.12, 0.05, 500.0], 4.0, 1e-3), ([0.12, 500.0, 0.05], 4.0, 1e-3), ([0.3, 1.0, 100.0], 2.0, 1e-5)]
+    {
+        let params = [&TISSUE[..], &own].concat();
+        let (short, long) = (f64::min(own[1], own[2]), f64::max(own[1], own[2]));
+        let whole = own[0] * decades * 10f64.ln();
+        let ends: Vec<f64> =
+            (0..60).map(|i| short * 10f64.powf(-1.0 + (decades + 2.0) * f64::from(i) / 59.0)).collect();
+        let mut many = vec![(0.0, stretched(1.15))];
+        many.extend(
+            ends.iter().scan(0.0, |from, &t| Some((t - std::mem::replace(from, t), stretched(1.15)))),
+        );
+        let trace = drive(&*law, &params, &at(&many)).force;
+        let at_once = difference(&trace[0], 1.15) / slow;
+        assert!((at_once - 1.0 - whole).abs() < 1e-12, "{at_once}");
+        for (t, f) in ends.iter().zip(&trace[1..]) {
+            let want = 1.0 + own[0] * (e1(t / long) - e1(t / short));
+            let got = difference(f, 1.15) / slow;
+            assert!((got - want).abs() < tolerance * whole, "{own:?} at {t}: {got} {want}");
+            let one = drive(&*law, &params, &at(&[(0.0, stretched(1.15)), (*t, stretched(1.15))])).force;
+            assert!((difference(&one[1], 1.15) / slow - got).abs() < 1e-12);
+        }
+    }
+}
+
+/// Strength and both times are differentiated through the whole history, at neutral too.
+#[test]
+fn a_spectrum_knows_its_sensitivities() {
+    let word = |s: &str| input::OptionValue::Text(s.into());
+    for relaxing in ["all", "fibres"] {
+        let options = model::Options::from([
+            ("relaxation".to_owned(), word("spectrum")),
+            ("relaxing".to_owned(), word(relaxing)),
+        ]);
+        let law = wrap_bulk_with(&*named("viscoelastic"), &options, Arc::new(hgo::Hgo::default())).unwrap();
+        let steps = off_switches(stretching(3));
+        for own in [[0.1, 0.5, 60.0], [0.0, 0.5, 60.0], [0.1, 60.0, 0.5]] {
+            let params = [&TISSUE[..], &own].concat();
+            for (k, h) in [(0, 1e-4), (1, 1e-3 * own[1]), (2, 1e-3 * own[2])] {
+                if own[0] == 0.0 && k > 0 {
+                    continue;
+                }
+                let error = column_error(&*law, &params, &steps, TISSUE.len() + k, &[0.0; 9], h);
+                assert!(error < 1e-5, "{relaxing} {own:?} parameter {k}: {error:e}");
+            }
+        }
+        // Without strength it is the inner law's to the bit.
+        let params = [&TISSUE[..], &[0.0, 0.5, 60.0]].concat();
+        let (with, base) = (drive(&*law, &params, &steps), drive(&hgo::Hgo::default(), &TISSUE, &steps));
+        for (a, b) in with.force.iter().zip(&base.force) {
+            assert_eq!(bits(a), bits(b));
+        }
+    }
+}
+
 #[test]
 fn a_long_rest_empties_the_branches_wherever_the_strip_goes() {
     let law = bulk("viscoelastic");

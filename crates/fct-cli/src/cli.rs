@@ -1,98 +1,211 @@
 //! The command line.
 
 use crate::commands::{
-    add, batch, check, compare, design, diagnose, discover, drop, effects, identify, ladder, new, report,
-    simulate,
+    add, batch, check, compare, design, diagnose, discover, drop, effects, identify, import, ladder, new,
+    report, simulate,
 };
-use clap::{Args, Parser, Subcommand};
-use std::path::PathBuf;
+pub use crate::flags::Common;
+use crate::flags::{Answers, Draws, Makes, Runs, Shows, With, Writes};
+use clap::{CommandFactory, Parser, Subcommand};
+use std::ffi::OsString;
 
 /// Identifies the strength of torn soft tissue from tearing tests, and names the physical effect
 /// that a model lacks.
 #[derive(Debug, Parser)]
-#[command(name = "fct", version, max_term_width = 100, arg_required_else_help = true)]
+#[command(
+    name = "fct",
+    version,
+    max_term_width = 100,
+    arg_required_else_help = true,
+    after_help = "Examples:\n  fct new strip && fct identify strip/strip.toml\n  fct discover strip/strip.toml --out runs/search"
+)]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
-    /// Flags of every command.
-    #[command(flatten)]
-    pub common: Common,
-}
-
-/// Flags of every command.
-#[derive(Clone, Debug, Args)]
-pub struct Common {
-    /// Run directory (add, drop: the file to write); default runs/NAME/
-    #[arg(long, global = true, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// The answer as one JSON document on stdout, everything else on stderr
-    #[arg(long, global = true)]
-    pub json: bool,
-    /// Number of threads; default: one per core. The answer does not depend on it
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-    /// No progress, no remarks; errors only
-    #[arg(long, global = true)]
-    pub quiet: bool,
-    /// Formats of the figures, each plot in a file of its own; default: what the file says, else svg
-    #[arg(long, global = true, value_name = "FORMATS", value_delimiter = ',')]
-    pub figures: Option<Vec<Format>>,
-    /// Take up a run where it stopped; a finished one only gives its answer again
-    #[arg(long, global = true)]
-    pub resume: bool,
-}
-
-/// A figure format on the command line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Format {
-    /// For browsers and drawing programs
-    Svg,
-    /// For papers
-    Pdf,
-    /// For slides
-    Png,
-}
-
-impl From<Format> for input::Figure {
-    fn from(f: Format) -> Self {
-        match f {
-            Format::Svg => Self::Svg,
-            Format::Pdf => Self::Pdf,
-            Format::Png => Self::Png,
-        }
-    }
 }
 
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Scaffold a specimen: files, sample records, ready to run
-    New(new::Arguments),
+    #[command(after_help = "Examples:\n  fct new strip\n  fct new strip --out specimens/strip")]
+    New(With<new::Arguments, Makes>),
+    /// From whatever a testing machine wrote to a record and a specimen
+    #[command(
+        after_help = "Examples:\n  fct import pull.is_tens.csv --out strip\n  fct import pull.csv --force 3 --decimal , --out strip"
+    )]
+    Import(Box<With<import::Arguments, Makes>>),
     /// Validate a file, print what is resolved with every default, say what its records are good for
-    Check(check::Arguments),
+    #[command(after_help = "Examples:\n  fct check strip.toml\n  fct check strip.toml > whole.toml")]
+    Check(With<check::Arguments, Answers>),
     /// Before the test: which protocol would show which effects, and how well strength would be known
-    Design(design::Arguments),
+    #[command(
+        after_help = "Examples:\n  fct design strip.toml\n  fct design strip.toml --budget 30min --json"
+    )]
+    Design(With<design::Arguments, Answers>),
     /// Forward runs: curves, fields, energy ledger
-    Simulate(simulate::Arguments),
+    #[command(
+        after_help = "Examples:\n  fct simulate strip.toml\n  fct simulate strip.toml --out runs/forward --figures pdf,svg"
+    )]
+    Simulate(With<simulate::Arguments, Runs>),
     /// The paper's inverse analysis: bulk, then the strength along the tear path
-    Identify(identify::Arguments),
+    #[command(
+        after_help = "Examples:\n  fct identify configs/FCT1.toml\n  fct identify strip.toml --out runs/base --threads 4"
+    )]
+    Identify(With<identify::Arguments, Runs>),
     /// Where and how far the model is off
-    Compare(compare::Arguments),
+    #[command(after_help = "Examples:\n  fct compare runs/base\n  fct compare runs/base --json > base.json")]
+    Compare(With<compare::Arguments, Runs>),
     /// Which effect is missing
-    Diagnose(diagnose::Arguments),
+    #[command(
+        after_help = "Examples:\n  fct diagnose runs/base\n  fct diagnose runs/base --json > diagnosis.json"
+    )]
+    Diagnose(With<diagnose::Arguments, Runs>),
     /// A config with an effect added
-    Add(add::Arguments),
+    #[command(
+        after_help = "Examples:\n  fct add viscoelastic runs/base --out more.toml\n  fct add drift strip.toml"
+    )]
+    Add(With<add::Arguments, Writes>),
     /// A config with an effect taken away
-    Drop(drop::Arguments),
+    #[command(
+        after_help = "Examples:\n  fct drop viscoelastic more.toml --out less.toml\n  fct drop drift runs/more"
+    )]
+    Drop(With<drop::Arguments, Writes>),
     /// The whole loop until the record is explained, or honestly not
-    Discover(discover::Arguments),
+    #[command(
+        after_help = "Examples:\n  fct discover strip.toml --out runs/search\n  fct discover strip.toml --out runs/search --resume"
+    )]
+    Discover(With<discover::Arguments, Runs>),
     /// The staircase of error against effects added
-    Ladder(ladder::Arguments),
+    #[command(
+        after_help = "Examples:\n  fct ladder runs/base runs/more\n  fct ladder runs/base runs/more --json"
+    )]
+    Ladder(With<ladder::Arguments, Answers>),
     /// Identify many specimens; a table over all
-    Batch(batch::Arguments),
+    #[command(
+        after_help = "Examples:\n  fct batch configs/FCT*.toml\n  fct batch a.toml b.toml --out runs/all --resume"
+    )]
+    Batch(With<batch::Arguments, Runs>),
     /// The catalogue of effects, or one card
-    Effects(effects::Arguments),
+    #[command(after_help = "Examples:\n  fct effects\n  fct effects viscoelastic")]
+    Effects(With<effects::Arguments, Shows>),
     /// One self-contained HTML file per run
-    Report(report::Arguments),
+    #[command(
+        after_help = "Examples:\n  fct report runs/base\n  fct report runs/base runs/more --out ladder.html"
+    )]
+    Report(With<report::Arguments, Draws>),
+}
+
+impl Command {
+    /// The shared flags, as far as the command takes them.
+    pub fn common(&self) -> Common {
+        match self {
+            Self::New(a) => (&a.flags).into(),
+            Self::Import(a) => (&a.flags).into(),
+            Self::Check(a) => (&a.flags).into(),
+            Self::Design(a) => (&a.flags).into(),
+            Self::Simulate(a) => (&a.flags).into(),
+            Self::Identify(a) => (&a.flags).into(),
+            Self::Compare(a) => (&a.flags).into(),
+            Self::Diagnose(a) => (&a.flags).into(),
+            Self::Add(a) => (&a.flags).into(),
+            Self::Drop(a) => (&a.flags).into(),
+            Self::Discover(a) => (&a.flags).into(),
+            Self::Ladder(a) => (&a.flags).into(),
+            Self::Batch(a) => (&a.flags).into(),
+            Self::Effects(a) => (&a.flags).into(),
+            Self::Report(a) => (&a.flags).into(),
+        }
+    }
+}
+
+/// Shared flags that take a value.
+const VALUED: [&str; 3] = ["--out", "--threads", "--figures"];
+
+/// The words of a command line with flags that stand before the command put behind it, where they belong to it.
+pub fn arranged(words: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let words: Vec<OsString> = words.collect();
+    let cli = Cli::command();
+    let known = |word: &OsString| word.to_str().is_some_and(|w| cli.find_subcommand(w).is_some());
+    let mut at = 1;
+    while let Some(word) = words.get(at).filter(|w| !known(w)) {
+        // What is no flag is a mistake, and is told as it was written.
+        if !word.to_str().is_some_and(|w| w.starts_with("--")) {
+            return words;
+        }
+        at += if word.to_str().is_some_and(|w| VALUED.contains(&w)) { 2 } else { 1 };
+    }
+    let Some(command) = words.get(at) else { return words };
+    let before = words.get(1..at).unwrap_or_default();
+    let after = words.get(at + 1..).unwrap_or_default();
+    words.iter().take(1).chain([command]).chain(before).chain(after).cloned().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(line: &str) -> Result<Cli, clap::Error> {
+        Cli::try_parse_from(arranged(line.split_whitespace().map(OsString::from)))
+    }
+
+    #[test]
+    fn every_help_ends_with_two_examples_that_are_valid() {
+        let cli = Cli::command();
+        for command in cli.get_subcommands() {
+            let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            let examples: Vec<&str> = help.lines().skip(1).map(str::trim).collect();
+            assert!(help.starts_with("Examples:\n") && examples.len() == 2, "{}", command.get_name());
+            for example in examples {
+                assert!(example.starts_with(&format!("fct {}", command.get_name())), "{example}");
+                let plain = example.split(" > ").next().unwrap_or_default();
+                assert!(parsed(plain).is_ok(), "{example}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_command_takes_the_flags_that_matter_to_it_and_no_others() {
+        for line in [
+            "fct effects --figures pdf",
+            "fct effects --out x",
+            "fct effects --force",
+            "fct ladder r --out x",
+            "fct check f --figures pdf",
+        ] {
+            assert!(parsed(line).is_err(), "{line}");
+        }
+        // Those of the contract are taken everywhere, shown or not.
+        for command in [
+            "effects",
+            "new n",
+            "add drift f",
+            "check f",
+            "simulate f",
+            "identify f",
+            "compare r",
+            "diagnose r",
+            "discover f",
+            "batch f",
+            "report r",
+            "ladder r",
+        ] {
+            assert!(
+                parsed(&format!("fct {command} --json --quiet --threads 2 --resume")).is_ok(),
+                "{command}"
+            );
+        }
+        for command in ["simulate f", "identify f", "compare r", "diagnose r", "discover f", "batch f"] {
+            assert!(parsed(&format!("fct {command} --out d --resume --figures pdf")).is_ok(), "{command}");
+        }
+    }
+
+    #[test]
+    fn flags_before_the_command_are_the_command_s() {
+        let common = parsed("fct --json --threads 3 --out x identify f.toml").map(|c| c.command.common());
+        assert!(common.is_ok_and(|c| c.json && c.threads == Some(3) && c.out == Some("x".into())));
+        assert!(parsed("fct frobnicate").is_err() && parsed("fct --frobnicate identify f").is_err());
+        assert!(parsed("fct --version").is_err_and(|e| e.exit_code() == 0));
+    }
 }

@@ -1,12 +1,15 @@
 //! How a command ends: what goes to stdout, what to stderr, and the exit code.
 
+use crate::session::Session;
 use analysis::AnalysisError;
 use input::Diagnostics;
 use report::ReportError;
 use report::answer::SCHEMA;
+use report::terminal::{Style, printable, printable_json};
 use serde::Serialize;
 use serde_json::{Value, json};
-use std::io::Write;
+use std::io::{ErrorKind, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// A command that gave an answer.
@@ -42,17 +45,32 @@ impl Outcome {
         Ok(Self { json, text, partial: None })
     }
 
+    /// Adds where the run is.
+    pub fn at(mut self, place: &Path) -> Self {
+        self.text.push_str(&format!("Run directory: {}\n", place.display()));
+        self
+    }
+
+    /// The same answer, which could not be stored.
+    pub fn unstored(self, why: &ReportError) -> Self {
+        Self { partial: Some(format!("the answer is above, but could not be stored: {why}")), ..self }
+    }
+
     /// Prints the answer.
-    pub fn tell(self, json: bool) -> ExitCode {
-        if json {
-            print(&format!("{}\n", self.json));
+    pub fn tell(self, session: &Session) -> ExitCode {
+        let printed = if session.common.json {
+            print(&format!("{}\n", printable_json(&self.json.to_string())))
         } else {
-            print(&self.text);
-        }
-        match self.partial {
-            None => ExitCode::SUCCESS,
-            Some(why) => {
-                eprintln!("fct: {why}");
+            print(&printable(&self.text, session.style()))
+        };
+        match (printed, self.partial) {
+            (Ok(()), None) => ExitCode::SUCCESS,
+            (Err(e), _) => {
+                say(&format!("fct: cannot print the answer: {e}"));
+                ExitCode::from(1)
+            }
+            (Ok(()), Some(why)) => {
+                say(&format!("fct: {why}"));
                 ExitCode::from(1)
             }
         }
@@ -71,23 +89,53 @@ impl Failure {
     }
 
     fn new(code: u8, message: String) -> Self {
-        let json = json!({ "schema": SCHEMA, "error": { "code": code, "reason": message } });
+        let json = json!({ "schema": SCHEMA, "error": { "code": code, "reason": bare(&message) } });
         Self { code, message, json }
+    }
+
+    /// The reason without the program's name, to be said inside another sentence.
+    pub fn reason(&self) -> &str {
+        bare(&self.message)
     }
 
     /// Prints the reason.
     pub fn tell(self, json: bool) -> ExitCode {
-        if json {
-            print(&format!("{}\n", self.json));
+        let text = |v: &Value| format!("{}\n", printable_json(&v.to_string()));
+        let printed = if json { print(&text(&self.json)) } else { Ok(()) };
+        say(&self.message);
+        if let Err(e) = printed {
+            say(&format!("fct: cannot print the answer: {e}"));
         }
-        eprintln!("{}", self.message);
         ExitCode::from(self.code)
     }
 }
 
-/// A closed pipe (`fct … | head`) is no fault of the user's.
-fn print(text: &str) {
-    let _ = std::io::stdout().write_all(text.as_bytes());
+/// A message without the name of the program before it.
+fn bare(message: &str) -> &str {
+    message.strip_prefix("fct: ").unwrap_or(message)
+}
+
+/// Prints to stdout. A closed pipe (`fct … | head`) is no fault of the user's; a full disk is one to be told.
+fn print(text: &str) -> std::io::Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),
+        done => done,
+    }
+}
+
+/// A message on stderr, whatever names and files put into it; that nobody reads it is no fault.
+pub fn say(text: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{}", printable(text, Style::new(false, None)));
+}
+
+/// Help, version, or what is wrong with the command line.
+pub fn usage(e: &clap::Error) -> ExitCode {
+    let code = u8::try_from(e.exit_code()).unwrap_or(2);
+    match e.print() {
+        Err(io) if io.kind() != ErrorKind::BrokenPipe => ExitCode::from(1),
+        _ => ExitCode::from(code),
+    }
 }
 
 impl From<Diagnostics> for Failure {

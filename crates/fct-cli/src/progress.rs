@@ -1,12 +1,26 @@
-//! Progress on stderr: a bar on a terminal, plain lines elsewhere.
+//! Progress on stderr: on a terminal a line that fits it, what is left to wait first; elsewhere now and then a plain line
+//! that can be read by itself.
 
+use crate::outcome::say;
+use console::Term;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Least time between two plain lines.
-const QUIET_TIME: Duration = Duration::from_secs(2);
+/// Least time before the first plain line, and between two: what is done sooner needs none.
+const QUIET_TIME: Duration = Duration::from_secs(10);
+/// Columns of a specimen's name on a line of progress.
+const NAME: usize = 24;
+/// Columns that a line of progress has where the terminal does not say.
+const COLUMNS: usize = 80;
+
+/// Columns of the terminal that text is read on: stdout's, or stderr's where stdout goes through a pager; `None`: no
+/// terminal.
+pub fn columns() -> Option<usize> {
+    let of = |term: Term| term.size_checked().map(|(_, columns)| usize::from(columns));
+    of(Term::stdout()).or_else(|| of(Term::stderr()))
+}
 
 /// A command's progress.
 pub struct Progress {
@@ -18,7 +32,7 @@ pub struct Progress {
 
 struct State {
     begun: Instant,
-    said: Option<Instant>,
+    said: Instant,
     stage: String,
     stage_begun: Instant,
     objective: Option<f64>,
@@ -28,32 +42,33 @@ struct State {
 impl Progress {
     /// Progress of `title`; silent when `quiet`.
     pub fn new(title: &str, quiet: bool) -> Self {
+        let title = shortened(&input::visible(title), NAME);
         let terminal = std::io::stderr().is_terminal() && !quiet;
         let bar = terminal.then(|| {
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(8));
-            bar.set_style(style("{spinner} {prefix} {elapsed} {wide_msg}"));
-            bar.set_prefix(title.to_owned());
+            bar.set_style(style("{spinner} {prefix}: {wide_msg}"));
+            bar.set_prefix(title.clone());
             bar.enable_steady_tick(Duration::from_millis(200));
             bar
         });
         let now = Instant::now();
         let state = State {
             begun: now,
-            said: None,
+            said: now,
             stage: String::new(),
             stage_begun: now,
             objective: None,
             falls: Vec::new(),
         };
-        Self { bar, plain: !terminal && !quiet, title: title.to_owned(), state: Mutex::new(state) }
+        Self { bar, plain: !terminal && !quiet, title, state: Mutex::new(state) }
     }
 
     /// A remark on what is being done.
     pub fn note(&self, text: &str) {
         if let Some(bar) = &self.bar {
-            bar.set_message(text.to_owned());
+            bar.set_message(fitted(&[self.spent(), input::visible(text)], self.room()));
         } else if self.plain && self.due() {
-            eprintln!("{}: {text}", self.title);
+            say(&format!("{}: {text}, {}", self.title, self.spent()));
         }
     }
 
@@ -61,27 +76,32 @@ impl Progress {
     pub fn steps(&self, done: usize, total: usize) {
         if let Some(bar) = &self.bar {
             if bar.length().is_none() {
-                bar.set_style(style("{prefix} {wide_bar} {pos}/{len} steps, {per_sec}, {eta} left"));
+                bar.set_style(style("{prefix}: {eta} left {wide_bar} {pos}/{len} steps"));
                 bar.set_length(total as u64);
             }
             bar.set_position(done as u64);
         } else if self.plain && self.due() {
-            eprintln!("{}: step {done} of {total}", self.title);
+            let spent = self.begun().elapsed().as_secs_f64();
+            let left = spent / done.max(1) as f64 * total.saturating_sub(done) as f64;
+            say(&format!(
+                "{}: step {done} of {total}, {spent:.0} s so far, about {left:.0} s left",
+                self.title
+            ));
         }
     }
 
     /// A model run of a search.
     pub fn search(&self, p: &analysis::Progress) {
-        let Some(line) = self.search_line(p) else { return };
+        let Some(told) = self.told(p) else { return };
         if let Some(bar) = &self.bar {
-            bar.set_message(line);
-        } else if self.plain && (p.iterate.iteration == 0 || self.due()) {
-            eprintln!("{}: {line}", self.title);
+            bar.set_message(told.short(self.room()));
+        } else if self.plain && self.due() {
+            say(&told.plain(&self.title));
         }
     }
 
-    /// Stage, iteration, objective, pace, and what may be left of the stage.
-    fn search_line(&self, p: &analysis::Progress) -> Option<String> {
+    /// Stage, iteration, objective, time, and what may be left of the stage.
+    fn told(&self, p: &analysis::Progress) -> Option<Told> {
         let mut s = self.state.lock().ok()?;
         let stage = format!("{}{}", p.stage.word(), if p.coarse { " (coarse mesh)" } else { "" });
         if s.stage != stage {
@@ -93,26 +113,107 @@ impl Progress {
         {
             s.falls.push(((before - f) / before).max(1e-12));
         }
-        let f = s.objective.map_or("–".into(), |f| format!("{f:.4e}"));
-        let n = p.iterate.iteration;
-        let pace = s.stage_begun.elapsed().as_secs_f64() / n.max(1) as f64;
-        let left =
-            iterations_left(&s.falls).map_or(String::new(), |k| format!(", about {:.0} s left", k * pace));
-        Some(format!(
-            "{stage}: iteration {n}, objective {f}, {pace:.1} s each{left} ({:.0} s so far)",
-            s.begun.elapsed().as_secs_f64()
-        ))
+        let iteration = p.iterate.iteration;
+        let pace = s.stage_begun.elapsed().as_secs_f64() / iteration.max(1) as f64;
+        Some(Told {
+            stage,
+            iteration,
+            objective: s.objective,
+            spent: s.begun.elapsed().as_secs_f64(),
+            left: iterations_left(&s.falls).map(|k| k * pace),
+        })
+    }
+
+    fn begun(&self) -> Instant {
+        self.state.lock().map_or_else(|_| Instant::now(), |s| s.begun)
+    }
+
+    fn spent(&self) -> String {
+        format!("{:.0} s so far", self.begun().elapsed().as_secs_f64())
+    }
+
+    /// Columns that a message has beside the spinner and the name.
+    fn room(&self) -> usize {
+        let columns = Term::stderr().size_checked().map_or(COLUMNS, |(_, columns)| usize::from(columns));
+        columns.saturating_sub(self.title.chars().count() + 5)
     }
 
     /// Whether enough time has passed for another plain line.
     fn due(&self) -> bool {
         let Ok(mut s) = self.state.lock() else { return false };
-        let due = s.said.is_none_or(|t| t.elapsed() >= QUIET_TIME);
+        let due = s.said.elapsed() >= QUIET_TIME;
         if due {
-            s.said = Some(Instant::now());
+            s.said = Instant::now();
         }
         due
     }
+}
+
+/// What a search has to tell at one of its runs.
+struct Told {
+    stage: String,
+    iteration: usize,
+    objective: Option<f64>,
+    /// Time since the command began, s.
+    spent: f64,
+    /// Time that the stage may still take, s.
+    left: Option<f64>,
+}
+
+impl Told {
+    fn left(&self) -> String {
+        self.left.map_or_else(|| "time left not known yet".to_owned(), |s| format!("about {s:.0} s left"))
+    }
+
+    fn objective(&self) -> String {
+        self.objective.map_or_else(|| "no objective yet".to_owned(), |f| format!("objective {f:.4e}"))
+    }
+
+    /// For a line of a terminal: what somebody waits for comes first, and whole pieces go where there is no room.
+    fn short(&self, room: usize) -> String {
+        let pieces = [
+            self.left(),
+            self.stage.clone(),
+            format!("iteration {}", self.iteration),
+            self.objective(),
+            format!("{:.0} s so far", self.spent),
+        ];
+        fitted(&pieces, room)
+    }
+
+    /// For a file: everything.
+    fn plain(&self, title: &str) -> String {
+        format!(
+            "{title}: {}, iteration {}, {}, {:.0} s so far, {} of this stage",
+            self.stage,
+            self.iteration,
+            self.objective(),
+            self.spent,
+            self.left()
+        )
+    }
+}
+
+/// As many whole pieces as fit, the first in any case.
+fn fitted(pieces: &[String], room: usize) -> String {
+    let mut out = String::new();
+    for piece in pieces {
+        let comma = if out.is_empty() { "" } else { ", " };
+        if !out.is_empty() && out.chars().count() + comma.len() + piece.chars().count() > room {
+            break;
+        }
+        out.push_str(comma);
+        out.push_str(piece);
+    }
+    out
+}
+
+/// A name of at most so many columns.
+fn shortened(name: &str, columns: usize) -> String {
+    if name.chars().count() <= columns {
+        return name.to_owned();
+    }
+    name.chars().take(columns.saturating_sub(1)).chain(['…']).collect()
 }
 
 impl Drop for Progress {
@@ -132,4 +233,42 @@ fn iterations_left(falls: &[f64]) -> Option<f64> {
     let [.., a, b] = falls else { return None };
     let ratio = (b / a).clamp(1e-3, 0.7);
     Some(((1e-6 / b).ln() / ratio.ln()).clamp(1.0, 12.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told() -> Told {
+        let stage = "interface (coarse mesh)".into();
+        Told { stage, iteration: 12, objective: Some(1.234e-3), spent: 75.4, left: Some(41.7) }
+    }
+
+    #[test]
+    fn what_is_left_is_read_at_any_width() {
+        for columns in [20, 40, 60, 80, 120] {
+            let line = told().short(columns);
+            assert!(
+                line.starts_with("about 42 s left") && line.chars().count() <= columns,
+                "{columns}: {line}"
+            );
+        }
+        assert_eq!(
+            told().short(80),
+            "about 42 s left, interface (coarse mesh), iteration 12, objective 1.2340e-3"
+        );
+    }
+
+    #[test]
+    fn a_plain_line_tells_everything_by_itself() {
+        assert_eq!(
+            told().plain("FCT1"),
+            "FCT1: interface (coarse mesh), iteration 12, objective 1.2340e-3, 75 s so far, about 42 s left of this stage"
+        );
+    }
+
+    #[test]
+    fn a_long_name_leaves_room() {
+        assert_eq!(shortened(&"x".repeat(100), NAME).chars().count(), NAME);
+    }
 }

@@ -1,12 +1,14 @@
 //! What all commands share: flags, threads, Ctrl-C, reading of cases, places of run directories.
 
 use crate::cli::Common;
-use crate::outcome::Failure;
+use crate::outcome::{Failure, say};
+use crate::place::{Job, nameable};
 use crate::progress::Progress;
 use input::Case;
 use model::Catalogue;
 use report::terminal::Style;
-use report::{RunInfo, StoredRun, inputs_of};
+use report::{Begin, RunInfo, StoredRun};
+use std::collections::HashSet;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -22,7 +24,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// Sets up threads and Ctrl-C.
+    /// Sets up threads and signals: Ctrl-C, SIGTERM and SIGHUP stop after the step that is being done.
     ///
     /// # Errors
     /// If the system refuses threads or the signal handler.
@@ -31,6 +33,9 @@ impl Session {
             let built = rayon::ThreadPoolBuilder::new().num_threads(usize::from(n)).build_global();
             built.map_err(|e| Failure::compute(format!("fct: cannot start {n} threads: {e}")))?;
         }
+        if let Some(out) = &common.out {
+            nameable(&std::path::absolute(out).unwrap_or_else(|_| out.clone()))?;
+        }
         let cancelled = Arc::new(AtomicBool::new(false));
         let flag = cancelled.clone();
         let handled = ctrlc::set_handler(move || {
@@ -38,7 +43,7 @@ impl Session {
             if flag.swap(true, Ordering::SeqCst) {
                 std::process::exit(130);
             }
-            eprintln!("\nfct: stopping after this step; press Ctrl-C again to stop at once");
+            say("\nfct: stopping after this step; press Ctrl-C again to stop at once");
         });
         handled.map_err(|e| Failure::compute(format!("fct: cannot listen for Ctrl-C: {e}")))?;
         Ok(Self { common: common.clone(), catalogue: effects::catalogue(), cancelled })
@@ -54,6 +59,7 @@ impl Session {
     /// # Errors
     /// Everything that is wrong with the files.
     pub fn case(&self, file: &Path) -> Result<Arc<Case>, Failure> {
+        nameable(&std::path::absolute(file).unwrap_or_else(|_| file.to_owned()))?;
         let run = file.join("run.toml");
         let file = if run.is_file() { &run } else { file };
         let mut case = input::read_case(file, &self.catalogue)?;
@@ -96,7 +102,18 @@ impl Session {
     /// Everything that is wrong with the files.
     pub fn identified_case(&self, run: &Path) -> Result<Arc<Case>, Failure> {
         let case = self.fitted_case(run)?;
-        let Some(answer) = StoredRun::read(run).ok().and_then(|r| r.identify()) else { return Ok(case) };
+        if !run.is_dir() {
+            return Ok(case);
+        }
+        let stored = StoredRun::read(run)?;
+        if let Some(file) = case.inputs.iter().find(|i| changed(i, &stored)) {
+            return Err(Failure::usage(format!(
+                "fct: {}: this file has changed since {} was made from it; identify again",
+                file.file.display(),
+                run.display()
+            )));
+        }
+        let Some(answer) = stored.identify() else { return Ok(case) };
         let mut case = (*case).clone();
         let values = answer.parameters.iter().map(|p| (p.path.as_str(), p.value));
         analysis::start_at(&mut case, values);
@@ -106,7 +123,7 @@ impl Session {
     /// A remark on stderr, unless `--quiet`.
     pub fn say(&self, text: &str) {
         if !self.common.quiet {
-            eprintln!("{text}");
+            say(text);
         }
     }
 
@@ -118,21 +135,28 @@ impl Session {
     /// Colours on stdout?
     pub fn style(&self) -> Style {
         let plain = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
-        Style { colour: std::io::stdout().is_terminal() && !plain && !self.common.json }
+        let colour = std::io::stdout().is_terminal() && !plain && !self.common.json;
+        Style::new(colour, crate::progress::columns())
     }
 
-    /// The run directory of a case: `--out`, or `runs/<name>`.
-    pub fn place(&self, case: &Case) -> PathBuf {
-        self.common.out.clone().unwrap_or_else(|| Path::new("runs").join(file_name(&case.name)))
+    /// The run directory of a job: `--out`, or one under `runs` that holds nothing else.
+    pub fn place(&self, command: &str, case: &Case) -> PathBuf {
+        let own = || Job { command, case }.place_under(Path::new("runs"), &mut HashSet::new());
+        self.common.out.clone().unwrap_or_else(own)
+    }
+
+    /// How a run directory is begun.
+    pub fn how(&self) -> Begin {
+        Begin { resume: self.common.resume, force: self.common.force }
     }
 
     /// How this run is made.
     pub fn info(&self, command: &str, case: &Case, complete: bool) -> RunInfo {
         RunInfo {
             command: command.to_owned(),
-            arguments: std::env::args().collect(),
+            arguments: std::env::args_os().map(|a| a.to_string_lossy().into_owned()).collect(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            inputs: inputs_of(case),
+            inputs: case.inputs.clone(),
             complete,
         }
     }
@@ -143,12 +167,29 @@ impl Session {
             return None;
         }
         let run = StoredRun::read(place).ok()?;
-        // What was read is compared by content: a file that only moved is the same input.
-        let hashes = |files: &[report::InputFile]| files.iter().map(|f| f.sha256.clone()).collect::<Vec<_>>();
-        let same =
-            run.input == input::resolved_toml(case) && hashes(&run.info.inputs) == hashes(&inputs_of(case));
-        (run.info.command == command && run.info.complete && same).then_some(run)
+        (run.info.complete && Job { command, case }.is_of(&run)).then_some(run)
     }
+
+    /// A stored run that an answer is made of; says which of the files that it was made from are others now.
+    ///
+    /// # Errors
+    /// If it is no run directory, or is damaged.
+    pub fn stored(&self, place: &Path) -> Result<StoredRun, Failure> {
+        let run = StoredRun::read(place)?;
+        for file in run.changed_inputs() {
+            self.say(&format!(
+                "{}: remark: this run was made from {}, which has changed or gone since",
+                place.display(),
+                file.display()
+            ));
+        }
+        Ok(run)
+    }
+}
+
+/// Whether a run was made from another content of a file.
+fn changed(file: &input::InputFile, run: &StoredRun) -> bool {
+    run.info.inputs.iter().any(|i| i.file == file.file && i.sha256 != file.sha256)
 }
 
 /// A name that every file system takes.

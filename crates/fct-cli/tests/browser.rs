@@ -10,6 +10,9 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
+/// A segment's name that would run if it were markup.
+const EVIL: &str = "<img src=x onerror=window.ran=1></script><script>window.ran=2</script>";
+
 /// A ladder of two rungs, as a user makes it.
 fn ladder(here: &Path) -> Tested {
     for arguments in [
@@ -54,9 +57,7 @@ fn a_report_is_clicked_and_read() -> Tested {
         assert!(scroll.is_some_and(|w| w <= u64::from(width)), "{scroll:?} px wide at {width}");
     }
     page.load(&file, 1280, "light")?;
-    // Five answers without scrolling.
-    let bottom = page.ask("document.querySelector('#answers').getBoundingClientRect().bottom")?.as_f64();
-    assert!(bottom.is_some_and(|b| b < 900.0), "the answers end at {bottom:?}");
+    first_screen(&mut page)?;
     rungs(&mut page, here)?;
     hovering(&mut page, here)?;
     // The page of the diagnosed run names effects; the batch page has its table.
@@ -70,6 +71,21 @@ fn a_report_is_clicked_and_read() -> Tested {
     assert!(page.text("#table")?.contains("0.150"));
     assert_eq!(page.faults(), Vec::<String>::new());
     assert_eq!(page.outside(), Vec::<String>::new());
+    Ok(())
+}
+
+/// One sentence, Gc and σc with intervals, the main curve, and the first questions stand above the fold; no label
+/// of an axis is printed over another, and the misfit has ticks.
+fn first_screen(page: &mut Page) -> Tested {
+    let bottom = page.ask("document.querySelector('#first').getBoundingClientRect().bottom")?.as_f64();
+    assert!(bottom.is_some_and(|b| b < 620.0), "the first screen ends at {bottom:?}");
+    let top = page.ask("document.querySelector('#answers').getBoundingClientRect().top")?.as_f64();
+    assert!(top.is_some_and(|t| t < 700.0), "the answers begin at {top:?}");
+    let told = page.text("#first")?;
+    for word in ["fracture energy Gc", "strength σc", "95 %", "N/mm", "The model"] {
+        assert!(told.contains(word), "{word} in\n{told}");
+    }
+    assert!(page.ask("document.querySelectorAll('#first canvas').length")?.as_u64() == Some(1));
     Ok(())
 }
 
@@ -101,7 +117,7 @@ fn rungs(page: &mut Page, here: &Path) -> Tested {
 
 /// What stands under the mouse is what the curve's file says.
 fn hovering(page: &mut Page, here: &Path) -> Tested {
-    let chart = "figure[data-name='tearing']";
+    let chart = "#curves figure[data-name='tearing']";
     for (axis, at) in [("u", [0.4, 0.4]), ("t", [0.6, 0.5]), ("front", [0.5, 0.5])] {
         page.click(&format!("[data-axis='{axis}']"))?;
         page.hover(&format!("{chart} .u-over"), at)?;
@@ -147,8 +163,7 @@ fn a_search_answers_on_its_first_screen() -> Tested {
         page.load(&file, width, scheme)?;
         page.picture(&format!("search-{width}-{scheme}"), true)?;
     }
-    let bottom = page.ask("document.querySelector('#answers').getBoundingClientRect().bottom")?.as_f64();
-    assert!(bottom.is_some_and(|b| b < 900.0), "the answers end at {bottom:?}");
+    first_screen(&mut page)?;
     let answers = page.text("#answers")?;
     for word in
         ["Yes, with viscoelastic", "hold 1", "Missing was viscoelastic", "viscoelastic.g =", "fct identify"]
@@ -163,9 +178,10 @@ fn a_search_answers_on_its_first_screen() -> Tested {
         let text = page.text(&format!("[data-rung='{rung}']"))?;
         let shown = text.lines().find_map(|l| l.strip_suffix(" N")?.parse::<f64>().ok());
         assert!(shown.is_some_and(|s| (s - rms).abs() < 6e-3 * rms), "{text}: {rms}");
-        page.hover("figure[data-name='uniaxial'] .u-over", [0.8, 0.3])?;
-        let told = page.text("figure[data-name='uniaxial'] .readout")?;
-        let index = page.ask("document.querySelector(\"figure[data-name='uniaxial']\").dataset.index")?;
+        page.hover("#curves figure[data-name='uniaxial'] .u-over", [0.8, 0.3])?;
+        let told = page.text("#curves figure[data-name='uniaxial'] .readout")?;
+        let index =
+            page.ask("document.querySelector(\"#curves figure[data-name='uniaxial']\").dataset.index")?;
         let index: usize = index.as_str().ok_or("no point under the mouse")?.parse()?;
         let curve = fs::read_to_string(here.join(format!("search/rungs/{rung}/curves/uniaxial.csv")))?;
         let row = curve.lines().nth(index + 1).ok_or("row")?;
@@ -208,5 +224,40 @@ fn ten_thousand_points_open_within_a_second() -> Tested {
     println!("10,000 points: loaded in {best:.0} ms");
     assert!(best < 1000.0, "{best} ms");
     assert_eq!(page.faults(), Vec::<String>::new());
+    Ok(())
+}
+
+/// A record whose segments are markup: it is read as text, nothing of it runs, and the policy has nothing to stop.
+#[test]
+#[ignore = "needs Chromium; `just browser`"]
+fn a_record_of_markup_is_text() -> Tested {
+    let chromium = driver::found().ok_or("no chromium on the path and no $CHROMIUM")?;
+    let folder = synthetic()?;
+    let here = folder.path();
+    let record = here.join("runs/strip/tearing.csv");
+    let text = fs::read_to_string(&record)?;
+    let rows = text.lines().filter(|l| !l.starts_with('#')).enumerate().map(|(i, row)| {
+        let columns: Vec<&str> = row.split(',').take(3).collect();
+        format!("{},{}\n", columns.join(","), if i == 0 { "segment" } else { EVIL })
+    });
+    fs::write(&record, rows.collect::<String>())?;
+    let out = fct(here, &["identify", "fit.toml", "--out", "evil", "--quiet"])?;
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    let mut page = Page::open(&chromium)?;
+    page.load(&here.join("evil/report.html"), 1280, "light")?;
+    page.click("[data-axis='t']")?;
+    assert!(page.text("#curves .legend")?.contains("record"));
+    let legends =
+        page.ask("[...document.querySelectorAll('#curves .legend')].map(l => l.textContent).join()")?;
+    assert!(legends.as_str().is_some_and(|l| l.contains("<img src=x")), "{legends}");
+    assert!(
+        page.ask("window.ran === undefined && !document.querySelector('img[src=x]')")?.as_bool()
+            == Some(true)
+    );
+    assert_eq!(page.faults(), Vec::<String>::new());
+    // Should something be forgotten, the policy stands: what a page did not bring does not run.
+    page.ask("(() => { const s = document.createElement('script'); s.textContent = 'window.ran = 3'; document.body.append(s); \
+              const d = document.createElement('div'); d.setAttribute('onclick', 'window.ran = 4'); document.body.append(d); d.click(); })()")?;
+    assert!(page.ask("window.ran === undefined")?.as_bool() == Some(true), "the policy let a script run");
     Ok(())
 }

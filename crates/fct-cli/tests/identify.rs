@@ -82,16 +82,16 @@ fn batch_and_ladder_go_over_runs() -> Tested {
     assert_eq!(answer["specimens"].as_array().map(Vec::len), Some(2));
     assert_eq!(answer["failed"][0]["file"], "missing.toml");
     assert_eq!(timeless(answer["specimens"][0].clone()), timeless(answer["specimens"][1].clone()));
-    // The synthetic specimen lives in runs/strip, where its own identification goes: it is still there.
+    // The synthetic specimen lives in runs/strip: identifications of that name go elsewhere, each to a place of its own.
     assert!(
-        here.join("runs/strip/specimen.toml").is_file() && here.join("runs/strip-2/summary.json").is_file()
+        here.join("runs/strip/specimen.toml").is_file() && here.join("runs/strip-3/summary.json").is_file()
     );
-    let (code, answer, _) = json(here, &["ladder", "runs/strip", "runs/strip-2"])?;
+    let (code, answer, _) = json(here, &["ladder", "runs/strip-2", "runs/strip-3"])?;
     assert_eq!((code, answer["ladder"].as_array().map(Vec::len)), (0, Some(2)));
     assert!(answer["ladder"][0]["rms_N"].is_f64());
-    let (code, ..) = json(here, &["report", "runs/strip", "runs/strip-2"])?;
+    let (code, ..) = json(here, &["report", "runs/strip", "runs/strip-2", "runs/strip-3"])?;
     assert_eq!(code, 0);
-    let table = fct(here, &["ladder", "runs/strip", "runs/strip-2"])?;
+    let table = fct(here, &["ladder", "runs/strip-2", "runs/strip-3"])?;
     assert!(String::from_utf8(table.stdout)?.lines().all(|l| l.chars().count() <= 100));
     Ok(())
 }

@@ -70,6 +70,18 @@ pub fn internal(
             bulk.dissipated += m * geo.volumes[q] * e.dissipated;
         }
     }
+    (bulk, of_path(problem, local, ctx, old, state))
+}
+
+/// Energies of the tear path at a converged state, whole specimen, N·mm.
+pub fn of_path(
+    problem: &Problem,
+    local: &LocalParams<f64>,
+    ctx: &Context,
+    old: &History,
+    state: &State,
+) -> Energy {
+    let m = problem.multiplicity;
     let mut path_energy = Energy::default();
     if let Some(path) = &problem.path {
         let nh = problem.path_history();
@@ -99,5 +111,5 @@ pub fn internal(
             }
         }
     }
-    (bulk, path_energy)
+    path_energy
 }

@@ -7,7 +7,7 @@
 use crate::error::FemError;
 use crate::problem::Problem;
 use crate::system::{NONE, System};
-use constitutive::{Context, Jet, Law, tangent_by_jets_1};
+use constitutive::{Context, Jet, tangent_by_jets_1};
 
 /// What is held while a step is solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,12 +47,23 @@ pub fn train_elongation(
     (e, slope)
 }
 
-/// Take-up s(u_a) and its slope.
-pub fn take_up(problem: &Problem, params: &[Vec<f64>], actuator: f64) -> (f64, f64) {
-    let mut u = Jet::<1>::variable(actuator, 0);
-    for (link, p) in problem.takeup.iter().zip(params) {
-        let p: Vec<Jet<1>> = p.iter().map(|&v| Jet::constant(v)).collect();
-        u = Law::<Jet<1>, 1>::respond(&*link.law, &Context::default(), &[u], &p, &[], &mut []).force[0];
+/// Take-up s(u_a), its slope, and its new history (behind the train's, which is left alone). `from`: see [`Problem::take_up`].
+pub fn take_up(
+    problem: &Problem,
+    params: &[Vec<f64>],
+    (actuator, from): (f64, Option<f64>),
+    old: &[f64],
+    new: &mut [f64],
+) -> (f64, f64) {
+    if problem.takeup.is_empty() {
+        return (actuator, 1.0);
+    }
+    let lift = |v: &[f64]| v.iter().map(|&x| Jet::constant(x)).collect::<Vec<Jet<1>>>();
+    let params: Vec<Vec<Jet<1>>> = params.iter().map(|p| lift(p)).collect();
+    let (old, mut after) = (lift(old), lift(new));
+    let u = problem.take_up(Jet::<1>::variable(actuator, 0), from, &params, &old, &mut after);
+    for (new, after) in new.iter_mut().zip(after) {
+        *new = after.re;
     }
     (u.re, u.eps[0])
 }

@@ -173,6 +173,11 @@ impl Step<'_> {
         state.actuator.abs().max(self.old.actuator.abs()).max(1e-3)
     }
 
+    /// Where the actuator is, and along a followed path where it was.
+    fn moves(&self, actuator: f64) -> (f64, Option<f64>) {
+        (actuator, matches!(self.control, Control::Arc { .. }).then_some(self.old.actuator))
+    }
+
     /// u_g + e(F) − s(u_a), and e'(F).
     fn loop_closing(&self, state: &mut State) -> (f64, f64) {
         let (e, slope) = train_elongation(
@@ -183,7 +188,8 @@ impl Step<'_> {
             &self.old.history.train,
             &mut state.history.train,
         );
-        let (s, _) = take_up(self.problem, &self.local.takeup, state.actuator);
+        let (old, new) = (&self.old.history.train, &mut state.history.train);
+        let (s, _) = take_up(self.problem, &self.local.takeup, self.moves(state.actuator), old, new);
         (state.grip + e - s, slope)
     }
 
@@ -206,7 +212,9 @@ impl Step<'_> {
         match self.control {
             Control::Actuator(_) => (rhs / lhs, 0.0),
             Control::Arc { tangent, .. } => {
-                let (_, s_slope) = take_up(self.problem, &self.local.takeup, state.actuator);
+                let (old, mut scratch) = (&self.old.history.train, state.history.train.clone());
+                let (_, s_slope) =
+                    take_up(self.problem, &self.local.takeup, self.moves(state.actuator), old, &mut scratch);
                 let along = |x: &[f64]| -> f64 { system.opening.iter().map(|&(eq, w)| w * x[eq]).sum() };
                 // t_u du_a + t_w (w·(correction + response du_g)) = −arc_error, s' du_a = lhs du_g − rhs
                 let need = -self.arc_error(system, state) - tangent[1] * along(&b.correction);

@@ -131,7 +131,8 @@ pub struct Problem {
     pub path: Option<Path>,
     /// Load train between grip and actuator, in series: elongations add.
     pub train: Vec<Link>,
-    /// Actuator displacement → displacement offered to train and tissue, applied in order.
+    /// Actuator displacement → displacement offered to train and tissue, applied in order; may remember where it was, not
+    /// when.
     pub takeup: Vec<Link>,
     /// Geometry parameters.
     pub shape: Vec<ShapeField>,
@@ -192,15 +193,43 @@ impl Problem {
         at.map(|path_position| Context { path_position, ..*ctx })
     }
 
-    /// The displacement offered to train and tissue, s(u_actuator).
-    pub fn take_up<S: Over<f64>>(&self, actuator: S, params: &[Vec<S>]) -> S
+    /// The displacement offered to train and tissue, s(u_actuator). `old` and `new` are the whole history of the rig: what
+    /// take-ups remember stands behind what the train does.
+    ///
+    /// A take-up that remembers keeps its last answer. Along a followed path, where the actuator goes back by itself and no hand turns it,
+    /// such a take-up moves with the actuator; `from` is then where the actuator stood before.
+    pub fn take_up<S: Over<f64>>(
+        &self,
+        actuator: S,
+        from: Option<f64>,
+        params: &[Vec<S>],
+        old: &[S],
+        new: &mut [S],
+    ) -> S
     where
         dyn PointLaw<1>: constitutive::Law<S, 1>,
     {
         let ctx = Context::default();
-        self.takeup.iter().zip(params).fold(actuator, |u, (link, p)| {
-            constitutive::Law::respond(&*link.law, &ctx, &[u], p, &[], &mut []).force[0]
-        })
+        let mut at = self.train.iter().map(|l| l.law.history().len()).sum();
+        let (mut u, mut before) = (actuator, from.map(S::from));
+        for (link, p) in self.takeup.iter().zip(params) {
+            let here = at..at + link.law.history().len();
+            at = here.end;
+            let asked = |u: S, old: &[S], new: &mut [S]| {
+                constitutive::Law::respond(&*link.law, &ctx, &[u], p, old, new).force[0]
+            };
+            match before {
+                Some(y) if !here.is_empty() => {
+                    new[here.start] = old[here.start] + (u - y);
+                    (u, before) = (new[here.start], Some(old[here.start]));
+                }
+                _ => {
+                    before = before.map(|y| asked(y, &[], &mut []));
+                    u = asked(u, &old[here.clone()], &mut new[here]);
+                }
+            }
+        }
+        u
     }
 
     /// Checks that sizes agree.
@@ -223,6 +252,10 @@ impl Problem {
             self.path.as_ref().map_or(0, |p| p.position.len()) == cohesive,
             "interface positions do not match",
         )?;
-        setup(self.takeup.iter().all(|l| l.law.history().is_empty()), "a take-up law has no memory")
+        setup(self.takeup.iter().all(|l| !l.law.rate_dependent()), "a take-up law does not look at time")?;
+        setup(
+            self.takeup.iter().all(|l| l.law.history().len() < 2),
+            "a take-up law remembers its last answer, and no more",
+        )
     }
 }

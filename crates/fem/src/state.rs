@@ -30,7 +30,7 @@ pub struct History {
     pub bulk: Vec<f64>,
     /// Interface: element, point, entry.
     pub path: Vec<f64>,
-    /// Load train: link, entry.
+    /// Load train, then take-ups: link, entry.
     pub train: Vec<f64>,
 }
 
@@ -46,7 +46,13 @@ impl History {
             path: problem.path.as_ref().map_or_else(Vec::new, |p| {
                 repeat(p.law.history(), problem.body.cohesive.len() * interface::POINTS)
             }),
-            train: problem.train.iter().flat_map(|l| l.law.history()).map(|h| h.initial).collect(),
+            train: problem
+                .train
+                .iter()
+                .chain(&problem.takeup)
+                .flat_map(|l| l.law.history())
+                .map(|h| h.initial)
+                .collect(),
         }
     }
 }

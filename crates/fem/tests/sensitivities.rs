@@ -15,7 +15,7 @@ use fem::{
     Link, MarchOptions, MountField, NewtonOptions, NoObserver, Prescribed, Problem, Run, ShapeField, System,
     Target, march,
 };
-use laws::{Compliance, Fading, Slack, Slip, Softening};
+use laws::{Compliance, Fading, Play, Slack, Slip, Softening};
 use mesh::{Sizing, Strip};
 use std::sync::Arc;
 
@@ -198,6 +198,22 @@ fn sensitivities_with_load_train_and_take_up() {
     t.extend([0.6, 2.0, 0.3, 0.5]);
     let names: Vec<&str> = NAMES.into_iter().chain(["compliance", "slip", "slack a", "slack b"]).collect();
     check("load train and take-up", &build, &t, &names, &cycle());
+}
+
+#[test]
+fn sensitivities_with_play_behind_slack_and_train() {
+    let build = |_: &[f64]| {
+        let link =
+            |law: Arc<dyn constitutive::PointLaw<1>>, params: &[usize]| Link { law, params: params.to_vec() };
+        let train = vec![link(Arc::new(Compliance), &[13]), link(Arc::new(Slip), &[14])];
+        let takeup = vec![link(Arc::new(Slack), &[15, 16]), link(Arc::new(Play), &[17])];
+        Problem { train, takeup, ..problem(&uniform(true), Ends::Clamped, AREAS) }
+    };
+    let mut t = theta();
+    t.extend([0.6, 2.0, 0.3, 0.5, 0.4]);
+    let names: Vec<&str> =
+        NAMES.into_iter().chain(["compliance", "slip", "slack a", "slack b", "play"]).collect();
+    check("play", &build, &t, &names, &cycle());
 }
 
 #[test]

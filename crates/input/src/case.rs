@@ -4,6 +4,7 @@ use crate::config::{
     BulkConfig, EffectConfig, IdentifyConfig, InterfaceConfig, MeshConfig, OutputConfig, SolverConfig,
 };
 use crate::diagnostics::Diagnostic;
+use crate::inputs::InputFile;
 use serde::Serialize;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -41,6 +42,8 @@ pub struct Case {
     pub output: OutputConfig,
     /// Things worth saying that are not errors; to be shown on stderr.
     pub warnings: Vec<Diagnostic>,
+    /// Every file that was read, with the hash of the bytes that were read.
+    pub inputs: Vec<InputFile>,
 }
 
 impl Case {
@@ -59,6 +62,7 @@ impl Case {
         let mut case = self.clone();
         (case.specimen_file, case.config_file) = (None, None);
         case.warnings.clear();
+        case.inputs.clear();
         for effect in &mut case.effects {
             effect.location = Location::default();
         }

@@ -1,5 +1,6 @@
 //! Faults with file, line and column, shown the way compilers show them.
 
+use crate::inputs::InputFile;
 use crate::text::{SourceFile, visible};
 use serde::Serialize;
 use std::cell::RefCell;
@@ -108,6 +109,7 @@ const MOST_PER_FILE: usize = 100;
 #[derive(Debug, Default)]
 pub(crate) struct Sink {
     found: RefCell<Vec<Diagnostic>>,
+    read: RefCell<Vec<InputFile>>,
 }
 
 impl Sink {
@@ -121,6 +123,20 @@ impl Sink {
             let message = format!("… and more: only the first {MOST_PER_FILE} faults are shown");
             found.push(Report::error(message).about(diagnostic.file));
         }
+    }
+
+    /// Notes a file whose content goes into the case.
+    pub fn was_read(&self, file: &SourceFile) {
+        let mut read = self.read.borrow_mut();
+        let path = crate::case::absolute(&file.path);
+        if let Some(sha256) = file.sha256.clone().filter(|_| !read.iter().any(|r| r.file == path)) {
+            read.push(InputFile { file: path, sha256 });
+        }
+    }
+
+    /// The files that were read so far.
+    pub fn files(&self) -> Vec<InputFile> {
+        self.read.borrow().clone()
     }
 
     /// Whether an error was found so far.

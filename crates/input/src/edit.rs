@@ -1,7 +1,7 @@
 //! Changes to a configuration that keep everything else as the user wrote it: comments, order, layout.
 
 use std::fmt;
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, value};
 
 /// Why a file could not be changed.
@@ -121,28 +121,30 @@ pub fn set_parent(text: &str, parent: &str) -> Result<String, EditError> {
     Ok(doc.to_string())
 }
 
-/// Rewrites the relative paths of a file that moves from folder `from` to folder `to`: `specimen`, and `data`,
-/// `outline` and `thickness_profile` where they are written in place. They become absolute, unless the folders
-/// are the same.
+/// Rewrites the paths of a file that moves from folder `from` to folder `to`: `specimen`, and `data`, `outline` and
+/// `thickness_profile` where they are written in place. They are written relative to `to` where that is near
+/// ([`near`]), so that a folder that holds both can be moved as a whole, else absolute. Absolute paths stay as the user
+/// wrote them, unless `ours`: a file that this program wrote.
 ///
 /// # Errors
 /// If the text is not TOML.
-pub fn rebase(text: &str, from: &Path, to: &Path) -> Result<String, EditError> {
+pub fn rebase(text: &str, from: &Path, to: &Path, ours: bool) -> Result<String, EditError> {
     let (from, to) = (crate::case::absolute(from), crate::case::absolute(to));
-    if from == to {
+    if from == to && !ours {
         return Ok(text.to_owned());
     }
+    let move_key = |table: &mut dyn TableLike, key: &str| rebase_key(table, key, &from, &to, ours);
     let mut doc = document(text)?;
-    rebase_key(doc.as_table_mut(), "specimen", &from);
+    move_key(doc.as_table_mut(), "specimen");
     if let Some(geometry) = doc.get_mut("geometry").and_then(Item::as_table_like_mut) {
-        rebase_key(geometry, "outline", &from);
-        rebase_key(geometry, "thickness_profile", &from);
+        move_key(geometry, "outline");
+        move_key(geometry, "thickness_profile");
     }
     match doc.get_mut("tests") {
-        Some(Item::ArrayOfTables(tests)) => tests.iter_mut().for_each(|t| rebase_key(t, "data", &from)),
+        Some(Item::ArrayOfTables(tests)) => tests.iter_mut().for_each(|t| move_key(t, "data")),
         Some(Item::Value(toml_edit::Value::Array(tests))) => {
             for test in tests.iter_mut().filter_map(toml_edit::Value::as_inline_table_mut) {
-                rebase_key(test, "data", &from);
+                move_key(test, "data");
             }
         }
         _ => {}
@@ -150,10 +152,43 @@ pub fn rebase(text: &str, from: &Path, to: &Path) -> Result<String, EditError> {
     Ok(doc.to_string())
 }
 
-fn rebase_key(table: &mut dyn TableLike, key: &str, from: &Path) {
+/// Folders that a relative path climbs at most: what lies further off belongs elsewhere.
+const CLIMBS: usize = 2;
+
+/// A path as seen from a folder, both absolute; itself where the way there leads through the root or climbs more than
+/// two folders.
+pub fn near(path: &Path, folder: &Path) -> PathBuf {
+    let (path, folder) = (clean(path), clean(folder));
+    let shared = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
+    let climbs = folder.components().count() - shared;
+    // The root alone is nothing that two places share.
+    if shared < 2 || climbs > CLIMBS {
+        return path;
+    }
+    let up = std::iter::repeat_n(Component::ParentDir, climbs);
+    let relative: PathBuf = up.chain(path.components().skip(shared)).collect();
+    if relative.as_os_str().is_empty() { PathBuf::from(".") } else { relative }
+}
+
+/// Without `.`, and without `..` where a folder stands before it.
+fn clean(path: &Path) -> PathBuf {
+    let mut out = PathBuf::new();
+    for c in path.components() {
+        match c {
+            Component::CurDir => {}
+            Component::ParentDir if matches!(out.components().next_back(), Some(Component::Normal(_))) => {
+                out.pop();
+            }
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+fn rebase_key(table: &mut dyn TableLike, key: &str, from: &Path, to: &Path, ours: bool) {
     let Some(item) = table.get_mut(key) else { return };
-    let Some(path) = item.as_str().map(Path::new).filter(|p| p.is_relative()) else { return };
-    let moved = from.join(path).to_string_lossy().into_owned();
+    let Some(path) = item.as_str().map(Path::new).filter(|p| ours || p.is_relative()) else { return };
+    let moved = near(&from.join(path), to).to_string_lossy().into_owned();
     if let Some(old) = item.as_value_mut() {
         let decor = old.decor().clone();
         *old = moved.into();

@@ -1,6 +1,6 @@
 //! Reading a file as text within limits; lines, columns and excerpts; text made safe to print.
 
-use crate::diagnostics::{Diagnostic, Excerpt, Report};
+use crate::diagnostics::{Diagnostic, Diagnostics, Excerpt, Report};
 use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::ops::Range;
@@ -16,6 +16,8 @@ pub(crate) struct SourceFile {
     pub path: PathBuf,
     /// Content without a byte-order mark.
     pub text: String,
+    /// SHA-256 of the bytes as they were read; `None` for a text that came from no file.
+    pub sha256: Option<String>,
     line_starts: Vec<usize>,
 }
 
@@ -34,29 +36,14 @@ impl SourceFile {
     pub fn new(path: impl Into<PathBuf>, text: String) -> Self {
         let line_starts =
             std::iter::once(0).chain(text.bytes().enumerate().filter(|b| b.1 == b'\n').map(|b| b.0 + 1));
-        Self { path: path.into(), line_starts: line_starts.collect(), text }
+        Self { path: path.into(), line_starts: line_starts.collect(), text, sha256: None }
     }
 
     /// Reads a file of at most `limit` bytes; `what` names what was expected ("a specimen or config file").
     pub fn read(path: &Path, limit: u64, what: &str) -> Result<Self, Box<Diagnostic>> {
-        let fault = |message: String| Box::new(Report::error(message).about(path));
-        let meta = std::fs::metadata(path).map_err(|e| fault(io_message(&e, what)))?;
-        if meta.is_dir() {
-            return Err(fault(format!("this is a directory; expected {what}")));
-        }
-        if !meta.is_file() {
-            return Err(fault(format!("this is not a regular file; expected {what}")));
-        }
-        if meta.len() > limit {
-            return Err(too_large(path, meta.len(), limit, what));
-        }
-        let file = File::open(path).map_err(|e| fault(io_message(&e, what)))?;
-        let mut bytes = Vec::new();
-        file.take(limit + 1).read_to_end(&mut bytes).map_err(|e| fault(io_message(&e, what)))?;
-        if bytes.len() as u64 > limit {
-            return Err(too_large(path, bytes.len() as u64, limit, what));
-        }
-        Self::from_bytes(path, bytes)
+        let bytes = bytes(path, limit, what)?;
+        let sha256 = crate::inputs::sha256(&bytes);
+        Self::from_bytes(path, bytes).map(|file| Self { sha256: Some(sha256), ..file })
     }
 
     /// Decodes UTF-8, with or without a byte-order mark.
@@ -114,6 +101,61 @@ impl SourceFile {
     }
 }
 
+/// Reads a text that the user names, other than the files that [`crate::read_case`] reads by itself: a config to be
+/// edited, published values, an answer of an earlier run. `what` names what was expected, `limit` is in bytes.
+///
+/// # Errors
+/// What is no regular file (a device, a pipe, a directory), is larger than `limit`, cannot be read or is no UTF-8.
+/// Nothing of it is read then, or at most `limit` bytes.
+pub fn read_text(path: &Path, limit: u64, what: &str) -> Result<String, Diagnostics> {
+    SourceFile::read(path, limit, what).map(|file| file.text).map_err(|d| Diagnostics(vec![*d]))
+}
+
+/// The bytes of a regular file. A device or a pipe may have no end, and cannot be read a second time for the hash
+/// that a run keeps of its input.
+fn bytes(path: &Path, limit: u64, what: &str) -> Result<Vec<u8>, Box<Diagnostic>> {
+    let fault = |message: String| Box::new(Report::error(message).about(path));
+    let meta = std::fs::metadata(path).map_err(|e| fault(io_message(&e, what)))?;
+    if meta.is_dir() {
+        return Err(fault(format!("this is a directory; expected {what}")));
+    }
+    if !meta.is_file() {
+        let message = format!("this is not a regular file but {}; expected {what}", special(&meta));
+        let help = "a pipe or a device may have no end: write it to a file, and name that";
+        return Err(Box::new(Report::error(message).help(help).about(path)));
+    }
+    if meta.len() > limit {
+        return Err(too_large(path, meta.len(), limit, what));
+    }
+    let file = File::open(path).map_err(|e| fault(io_message(&e, what)))?;
+    // Files of /proc say that they are empty.
+    let mut bytes = Vec::with_capacity(usize::try_from(meta.len()).unwrap_or_default());
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(|e| fault(io_message(&e, what)))?;
+    if bytes.len() as u64 > limit {
+        return Err(too_large(path, bytes.len() as u64, limit, what));
+    }
+    Ok(bytes)
+}
+
+/// What a file is that is neither a regular one nor a directory.
+#[cfg(unix)]
+fn special(meta: &std::fs::Metadata) -> &'static str {
+    use std::os::unix::fs::FileTypeExt;
+    let kind = meta.file_type();
+    match () {
+        () if kind.is_fifo() => "a pipe",
+        () if kind.is_socket() => "a socket",
+        () if kind.is_char_device() || kind.is_block_device() => "a device",
+        () => "something else",
+    }
+}
+
+/// What a file is that is neither a regular one nor a directory.
+#[cfg(not(unix))]
+fn special(_meta: &std::fs::Metadata) -> &'static str {
+    "something else"
+}
+
 /// The part of a line that fits, with the place in question inside.
 fn excerpt(before: &str, inside: &str, after: &str) -> Excerpt {
     let tail = last_chars(before, EXCERPT / 2);
@@ -137,14 +179,18 @@ fn last_chars(text: &str, n: usize) -> &str {
     text.char_indices().rev().nth(n.saturating_sub(1)).map_or(text, |(i, _)| &text[i..])
 }
 
-/// The text with control and direction characters escaped, so that it cannot drive a terminal; tabs become
-/// blanks.
-pub(crate) fn visible(text: &str) -> String {
+/// The text with control and direction characters escaped, so that it can neither drive a terminal nor turn what
+/// stands beside it around; tabs become blanks. Everything of a file's or a user's that is shown goes through here.
+pub fn visible(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
             '\t' => out.push(' '),
-            '\u{200B}'..='\u{200F}' | '\u{2028}'..='\u{202E}' | '\u{2060}'..='\u{206F}' | '\u{FEFF}' => {
+            '\u{061C}'
+            | '\u{200B}'..='\u{200F}'
+            | '\u{2028}'..='\u{202E}'
+            | '\u{2060}'..='\u{206F}'
+            | '\u{FEFF}' => {
                 out.extend(c.escape_unicode());
             }
             c if c.is_control() => out.extend(c.escape_default()),

@@ -67,12 +67,12 @@ fn every_way_to_write_effects_stays_readable() {
 
 #[test]
 fn a_config_that_moves_keeps_pointing_to_its_files() {
-    let moved = edit::rebase(CONFIG, Path::new("/data"), Path::new("/elsewhere")).expect("moved");
+    let moved = edit::rebase(CONFIG, Path::new("/data"), Path::new("/elsewhere"), false).expect("moved");
     assert_eq!(moved, CONFIG.replace("\"strip.toml\"", "\"/data/strip.toml\""));
     let specimen = "[geometry]\noutline = \"o.csv\"\n[[tests]]\ndata = \"a.csv\" # first\n[[tests]]\ndata = \"/b.csv\"\n";
-    let moved = edit::rebase(specimen, Path::new("/d"), Path::new("/e")).expect("moved");
+    let moved = edit::rebase(specimen, Path::new("/d"), Path::new("/e"), false).expect("moved");
     assert_eq!(moved, specimen.replace("\"a.csv", "\"/d/a.csv").replace("\"o.csv", "\"/d/o.csv"));
-    assert_eq!(edit::rebase(CONFIG, Path::new("/d"), Path::new("/d")).expect("same"), CONFIG);
+    assert_eq!(edit::rebase(CONFIG, Path::new("/d"), Path::new("/d"), false).expect("same"), CONFIG);
     let with_parent = edit::set_parent(CONFIG, "runs/a").expect("set");
     assert!(with_parent.contains("made in May\nparent = \"runs/a\"\n"), "{with_parent}");
 }
@@ -100,7 +100,8 @@ fn the_schema_has_every_section_effect_and_spelling() {
     let schema = json_schema(&Catalogue);
     let properties = &schema["properties"];
     assert_eq!(properties["bulk"]["properties"]["kappa"]["anyOf"][0]["maximum"], 1.0 / 3.0);
-    assert_eq!(properties["bulk"]["properties"]["mu_kPa"]["anyOf"][0]["exclusiveMinimum"], 0.0);
+    assert_eq!(properties["bulk"]["properties"]["mu_kPa"]["anyOf"][0]["minimum"], 1e-6);
+    assert_eq!(properties["output"]["properties"]["noise"]["minimum"], 0.0);
     assert_eq!(properties["interface"]["properties"]["areas"]["default"], 1);
     assert!(properties["effects"]["properties"]["viscoelastic"]["properties"]["tau_min"].is_object());
     assert_eq!(properties["effects"]["properties"]["viscoelastic"]["properties"]["branches"]["maximum"], 4);
@@ -108,4 +109,27 @@ fn the_schema_has_every_section_effect_and_spelling() {
         properties["tests"]["items"]["properties"]["protocol"]["items"]["properties"]["to_mm"].is_object()
     );
     assert_eq!(schema["additionalProperties"], false);
+}
+
+/// What moves as a whole keeps its paths; what lies elsewhere is named from the root.
+#[test]
+fn paths_are_relative_where_that_is_near() {
+    let text = "specimen = \"../strip/specimen.toml\"\n[[tests]]\ndata = \"/study/strip/tearing.csv\"\n";
+    let near =
+        |from: &str, to: &str, ours| edit::rebase(text, Path::new(from), Path::new(to), ours).expect("moved");
+    let users = near("/study/configs", "/study", false);
+    assert_eq!(users, text.replace("../strip", "strip"));
+    let ours = near("/study/runs/base", "/study/runs", true);
+    assert!(
+        ours.contains("specimen = \"strip/specimen.toml\"")
+            && ours.contains("data = \"../strip/tearing.csv\""),
+        "{ours}"
+    );
+    let far = near("/study/configs", "/home/me", true);
+    assert!(
+        far.contains("\"/study/strip/specimen.toml\"") && far.contains("\"/study/strip/tearing.csv\""),
+        "{far}"
+    );
+    let deep = near("/study/configs", "/study/a/b/c", false);
+    assert!(deep.contains("\"/study/strip/specimen.toml\""), "{deep}");
 }

@@ -280,7 +280,7 @@ fn every_number_of_the_table_is_accepted_in_every_spelling() {
             continue;
         }
         for (spelling, factor) in key.spellings() {
-            let middle = if limits.lower > 0.0 || limits.upper > 1.0 { 0.3 } else { limits.upper / 3.0 };
+            let middle = if limits.upper > 1.0 { 0.3 } else { limits.upper / 3.0 };
             let text = format!("{STRIP}[{section}]\n{spelling} = {:?}\n", middle / factor);
             let result = read(&text);
             assert!(result.is_ok(), "{text}\n{}", result.err().unwrap_or_default());

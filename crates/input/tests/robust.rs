@@ -181,7 +181,7 @@ proptest! {
         let _ = edit::add_effect(&text, "slack", &[("u0_mm", 0.1, "why\nnot")], &text);
         let _ = edit::drop_effect(&text, "slack", &text);
         let _ = edit::set_parent(&text, &text);
-        let _ = edit::rebase(&text, Path::new("/a"), Path::new("/b"));
+        let _ = edit::rebase(&text, Path::new("/a"), Path::new("/b"), true);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::whiten::Noise;
 use crate::{DataError, PredictError, Prediction};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// What is minimised.
@@ -66,7 +66,7 @@ impl Default for FitOptions {
 }
 
 /// One model run of the search: the start (iteration 0) or a trial step.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Iterate {
     /// Number of the step that was tried, 0 at the start.
     pub iteration: usize,
@@ -81,7 +81,7 @@ pub struct Iterate {
 }
 
 /// Why the search ended.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum StopReason {
     /// The relative change of f fell below the tolerance.
     Converged,

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod count;
 mod error;
 mod grid;
 mod lines;
@@ -9,6 +10,7 @@ mod outline;
 mod quality;
 mod strip;
 
+pub use count::{Count, Fill, count, fill};
 pub use error::MeshError;
 pub use grid::strip;
 pub use mesh::{Interface, Mesh, area_of};

@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::Mesh;
 
 /// Columns left undivided.
-const LEAF: usize = 4;
+pub(crate) const LEAF: usize = 4;
 
 /// Nodes in the order of elimination: recursive bisection of the (i, j) column grid, separators last.
 ///

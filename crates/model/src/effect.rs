@@ -150,7 +150,7 @@ pub enum Action {
     Interface(Box<dyn Fn(Interface) -> Interface>),
     /// A link of the load train: force → elongation, in series.
     Train(Link),
-    /// Actuator displacement → displacement offered to train and tissue; no memory.
+    /// Actuator displacement → displacement offered to train and tissue; may remember where it was, not when.
     TakeUp(Link),
     /// A displacement of the top clamp that is there before the test starts.
     Mount(Arc<dyn Mount>),
@@ -238,11 +238,6 @@ pub trait Effect: Send + Sync {
     /// Values from which a refit starts when the screen has no estimate, and the size of a
     /// plausible amplitude: a change that a lab would call ordinary.
     fn start(&self, scales: &Scales) -> Vec<f64>;
-
-    /// Causes outside any catalogue, in words, that look the same on records that lack what the card says it needs.
-    fn strangers(&self) -> &'static [&'static str] {
-        &[]
-    }
 
     /// How it acts.
     fn act(&self, options: &Options, piece: &Piece) -> Action;

@@ -7,6 +7,7 @@
 
 mod build;
 pub mod camera;
+pub mod cost;
 pub mod effect;
 mod plan;
 mod predict;

@@ -7,7 +7,6 @@ use diagnose::segments::cut;
 use diagnose::{RecordKind, Segment, SegmentKind};
 use input::{Record, TestKind};
 use model::Channel;
-use std::path::Path;
 
 /// Columns of a curve's file that are no camera channel.
 const OWN: [&str; 6] =
@@ -137,8 +136,8 @@ fn segments(record: &Record, kind: TestKind) -> Vec<String> {
 
 impl Curve {
     /// A curve as [`Curve::csv`] wrote it; `None` for anything else.
-    pub(crate) fn read(path: &Path) -> Option<Self> {
-        let mut reader = csv::Reader::from_path(path).ok()?;
+    pub(crate) fn parse(test: &str, content: &[u8]) -> Option<Self> {
+        let mut reader = csv::Reader::from_reader(content);
         let header: Vec<String> = reader.headers().ok()?.iter().map(str::to_owned).collect();
         let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().ok()?;
         let text = |name: &str| -> Vec<String> {
@@ -149,7 +148,7 @@ impl Curve {
         let further = header.iter().filter(|h| !OWN.contains(&h.as_str()));
         let columns = further.map(|h| (h.clone(), text(h).iter().map(|t| t.parse().ok()).collect()));
         Some(Self {
-            test: path.file_stem()?.to_string_lossy().into_owned(),
+            test: test.to_owned(),
             time: numbers("time_s"),
             displacement: numbers("displacement_mm"),
             measured: numbers("force_measured_N"),

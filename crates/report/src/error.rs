@@ -21,11 +21,30 @@ pub enum ReportError {
     #[error("{}: another fct run is writing this directory; wait for it, or choose another with --out", .0.display())]
     Locked(PathBuf),
     /// The directory holds something that fct did not write.
-    #[error("{}: this directory exists and is no run directory (it holds no run.toml and is not empty); choose another with --out", .0.display())]
+    #[error("{}: this directory exists and is no run directory of this program (it holds no manifest.json and is not empty); \
+             choose another with --out, or let --force write into it", .0.display())]
     Foreign(PathBuf),
     /// A file stands where a directory is to be.
     #[error("{}: this is a file; --out names a directory", .0.display())]
     NotADirectory(PathBuf),
+    /// A file that stands there already and is not fct's.
+    #[error("{}: this file exists and holds something else; choose another name with --out, or let --force replace it", .0.display())]
+    Exists(PathBuf),
+    /// Something that fct did not write stands where a file of the run is to be.
+    #[error("{}: this is in the way and was not written by fct; move it, or choose another directory with --out", .0.display())]
+    InTheWay(PathBuf),
+    /// A file of an earlier run that was changed since.
+    #[error("{}: this file of an earlier run was changed since fct wrote it; choose another directory with --out, or let \
+             --force replace it", .0.display())]
+    Changed(PathBuf),
+    /// A file of a stored run that is missing, or is not as it was written.
+    #[error("{}: this file of the run {reason}: the run is damaged; make it anew", .path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: &'static str,
+    },
     /// Not a run directory, or not one with an answer.
     #[error("{}: {reason}", .path.display())]
     NotARun {

@@ -15,6 +15,7 @@ mod published;
 mod rundir;
 mod runs;
 mod search_log;
+mod shell;
 mod store;
 mod synthetic;
 mod tables;
@@ -23,11 +24,15 @@ pub mod terminal;
 pub use curves::{Curve, identified_curves, simulated_curve};
 pub use error::ReportError;
 pub use published::Published;
-pub use rundir::{RunDir, write_atomic};
-pub use runs::{InputFile, RunInfo, StoredRun, inputs_of};
+pub use rundir::{
+    Begin, Kept, MANIFEST, Manifest, RunDir, RunJournal, amend, numbered, write_atomic, write_named,
+};
+pub use runs::{RunInfo, StoredRun};
 pub use search_log::SearchLog;
+pub use shell::{quoted, quoted_path};
 pub use store::{
-    Partial, figure_files, store_discover, store_identify, store_partial, store_rung, store_simulate,
+    Partial, exported, store_discover, store_identify, store_partial, store_rung, store_simulate,
+    store_unfinished,
 };
 pub use synthetic::{SyntheticFile, synthetic_files};
 pub use tables::{history_csv, jacobian_csv};

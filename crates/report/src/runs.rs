@@ -1,11 +1,11 @@
 //! Reading run directories back.
 
 use crate::answer::{IdentifyAnswer, SimulateAnswer};
+use crate::rundir::{LARGEST, Manifest, read_file, settle};
 use crate::{Curve, ReportError};
+use input::InputFile;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use sha2::{Digest, Sha256};
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// How a run was made; stands in `summary.json` under `run`.
@@ -23,38 +23,6 @@ pub struct RunInfo {
     pub complete: bool,
 }
 
-/// A file that was read.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct InputFile {
-    /// Absolute path.
-    pub file: PathBuf,
-    /// SHA-256 of the content, hexadecimal; null where it could not be read again.
-    pub sha256: Option<String>,
-}
-
-/// Hashes of the files of a case.
-pub fn inputs_of(case: &input::Case) -> Vec<InputFile> {
-    let records = case.tests.iter().filter_map(|t| t.record.as_ref()).map(|r| &r.path);
-    let mut files: Vec<PathBuf> = Vec::new();
-    for file in case.config_file.iter().chain(&case.specimen_file).chain(records) {
-        let file = std::path::absolute(file).unwrap_or_else(|_| file.clone());
-        if !files.contains(&file) {
-            files.push(file);
-        }
-    }
-    files
-        .into_iter()
-        .map(|file| {
-            let sha256 = fs::read(&file).ok().map(|bytes| hex(&Sha256::digest(&bytes)));
-            InputFile { file, sha256 }
-        })
-        .collect()
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|b| format!("{b:02x}")).collect()
-}
-
 /// What a run directory says.
 #[derive(Clone, Debug)]
 pub struct StoredRun {
@@ -66,13 +34,15 @@ pub struct StoredRun {
     pub input: String,
     /// The answer as it was printed (without `run`).
     pub answer: Value,
+    /// What was written; `None` while the run is being written.
+    manifest: Option<Manifest>,
 }
 
 impl StoredRun {
     /// Reads a run directory.
     ///
     /// # Errors
-    /// If it is none, or was not finished.
+    /// If it is none, or is damaged: every file that is read must be as it was written.
     pub fn read(path: &Path) -> Result<Self, ReportError> {
         let not = |reason: &str| ReportError::NotARun { path: path.to_owned(), reason: reason.into() };
         if !path.exists() {
@@ -81,21 +51,101 @@ impl StoredRun {
         if !path.is_dir() {
             return Err(not("this is a file; expected a run directory"));
         }
-        let summary = path.join("summary.json");
-        if !summary.is_file() {
+        settle(path)?;
+        if !path.join("summary.json").is_file() {
             return Err(not("this is no run directory: it holds no summary.json"));
         }
-        let text = fs::read_to_string(&summary).map_err(ReportError::io(&summary, "read"))?;
-        let mut answer: Value = serde_json::from_str(&text)
-            .map_err(|e| ReportError::NotARun { path: summary.clone(), reason: e.to_string() })?;
-        let info = answer.as_object_mut().and_then(|o| o.shift_remove("run")).unwrap_or_default();
-        let info: RunInfo = serde_json::from_value(info).map_err(|e| ReportError::NotARun {
-            path: summary.clone(),
-            reason: format!("field `run`: {e}"),
+        let manifest = Manifest::read(path)?.ok_or_else(|| {
+            not("this run directory holds no manifest.json: it is damaged, or of an earlier version of fct; make it anew")
         })?;
-        let input = path.join("run.toml");
-        let input = fs::read_to_string(&input).map_err(ReportError::io(&input, "read"))?;
-        Ok(Self { path: path.to_owned(), info, input, answer })
+        Self::with_manifest(path, Some(manifest))
+    }
+
+    /// Reads a run directory that is being written.
+    ///
+    /// # Errors
+    /// If it holds no answer yet.
+    pub(crate) fn read_part(path: &Path) -> Result<Self, ReportError> {
+        Self::with_manifest(path, None)
+    }
+
+    fn with_manifest(path: &Path, manifest: Option<Manifest>) -> Result<Self, ReportError> {
+        let empty = RunInfo {
+            command: String::new(),
+            arguments: Vec::new(),
+            version: String::new(),
+            inputs: Vec::new(),
+            complete: false,
+        };
+        let mut run =
+            Self { path: path.to_owned(), info: empty, input: String::new(), answer: Value::Null, manifest };
+        let summary = path.join("summary.json");
+        let not = |reason: String| ReportError::NotARun { path: summary.clone(), reason };
+        let mut answer: Value =
+            serde_json::from_slice(&run.file("summary.json")?).map_err(|e| not(e.to_string()))?;
+        let info = answer.as_object_mut().and_then(|o| o.shift_remove("run")).unwrap_or_default();
+        run.info = serde_json::from_value(info).map_err(|e| not(format!("field `run`: {e}")))?;
+        run.input = run.text("run.toml")?;
+        run.answer = answer;
+        Ok(run)
+    }
+
+    /// The same run with its files in another folder (where it is being written).
+    pub(crate) fn in_folder(&self, files: &Path) -> Self {
+        Self { path: files.to_owned(), ..self.clone() }
+    }
+
+    /// Whether a file belongs to the run.
+    pub fn holds(&self, name: &str) -> bool {
+        match &self.manifest {
+            Some(m) => m.files.contains_key(name),
+            None => self.path.join(name).is_file(),
+        }
+    }
+
+    /// The content of a file of the run, as it was written.
+    ///
+    /// # Errors
+    /// [`ReportError::Damaged`] if it is missing or was changed.
+    pub fn file(&self, name: &str) -> Result<Vec<u8>, ReportError> {
+        let path = self.path.join(name);
+        let damaged = |reason| ReportError::Damaged { path: path.clone(), reason };
+        let Some(manifest) = &self.manifest else { return read_file(&path, LARGEST) };
+        let hash = manifest.files.get(name).ok_or_else(|| damaged("is not in its manifest"))?;
+        if !path.exists() {
+            return Err(damaged("is missing"));
+        }
+        let bytes = read_file(&path, LARGEST)?;
+        if input::sha256(&bytes) == *hash { Ok(bytes) } else { Err(damaged("is not as it was written")) }
+    }
+
+    /// The same as text.
+    ///
+    /// # Errors
+    /// As [`StoredRun::file`]; if it is no UTF-8.
+    pub fn text(&self, name: &str) -> Result<String, ReportError> {
+        let path = self.path.join(name);
+        String::from_utf8(self.file(name)?).map_err(|_| ReportError::Damaged { path, reason: "is no text" })
+    }
+
+    /// What `fct diagnose` left in it, if it did.
+    ///
+    /// # Errors
+    /// If that is damaged.
+    pub fn diagnosis(&self) -> Result<Option<Value>, ReportError> {
+        const NAME: &str = "diagnosis.json";
+        if !self.holds(NAME) {
+            return Ok(None);
+        }
+        let not =
+            |e: serde_json::Error| ReportError::NotARun { path: self.path.join(NAME), reason: e.to_string() };
+        serde_json::from_slice(&self.file(NAME)?).map(Some).map_err(not)
+    }
+
+    /// Files that the run was made from and that are not any more as they were read: changed, or gone.
+    pub fn changed_inputs(&self) -> Vec<PathBuf> {
+        let same = |i: &InputFile| read_file(&i.file, LARGEST).is_ok_and(|b| input::sha256(&b) == i.sha256);
+        self.info.inputs.iter().filter(|i| !same(i)).map(|i| i.file.clone()).collect()
     }
 
     /// The answer of an identification, if the run is one.
@@ -109,16 +159,20 @@ impl StoredRun {
     }
 
     /// Its curves, as stored in `curves/`, in the order of the answer.
-    pub fn curves(&self) -> Vec<Curve> {
+    ///
+    /// # Errors
+    /// If one of them is missing or damaged.
+    pub fn curves(&self) -> Result<Vec<Curve>, ReportError> {
         let tests = self.answer.get("tests").and_then(Value::as_object);
-        let names = tests.into_iter().flat_map(|t| t.keys());
         let input: Option<toml::Table> = self.input.parse().ok();
-        let cut = input.and_then(|t| t.get("geometry")?.get("cut_mm")?.as_float());
-        let noise = |name: &str| tests?.get(name)?.get("noise_N")?.as_f64();
-        names
-            .filter_map(|name| Curve::read(&self.path.join("curves").join(format!("{name}.csv"))))
-            .map(|c| Curve { noise: noise(&c.test).unwrap_or(0.0), cut: cut.unwrap_or(0.0), ..c })
-            .collect()
+        let cut = input.and_then(|t| t.get("geometry")?.get("cut_mm")?.as_float()).unwrap_or(0.0);
+        let one = |(name, test): (&String, &Value)| {
+            let file = format!("curves/{name}.csv");
+            let damaged = || ReportError::Damaged { path: self.path.join(&file), reason: "holds no curve" };
+            let curve = Curve::parse(name, &self.file(&file)?).ok_or_else(damaged)?;
+            Ok(Curve { noise: test.get("noise_N").and_then(Value::as_f64).unwrap_or(0.0), cut, ..curve })
+        };
+        tests.into_iter().flatten().map(one).collect()
     }
 
     fn typed<T: for<'a> Deserialize<'a>>(&self, command: &str) -> Option<T> {

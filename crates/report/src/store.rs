@@ -4,7 +4,6 @@ use crate::answer::{IdentifyAnswer, SCHEMA, SimulateAnswer, StageHistory};
 use crate::curves::{identified_curves, simulated_curve};
 use crate::fields::{Snapshot, pictures, snapshots, write_fields};
 use crate::figures::{self, Figure, ending, export};
-use crate::rundir::write_atomic;
 use crate::runs::{RunInfo, StoredRun};
 use crate::synthetic::synthetic_files;
 use crate::tables::{history_csv, jacobian_csv};
@@ -13,7 +12,6 @@ use analysis::{Identified, Simulated, SimulatedTest};
 use input::{Case, Figure as Format};
 use serde::Serialize;
 use serde_json::{Value, json};
-use std::path::Path;
 
 /// Fills the directory of a simulation, complete or partial.
 ///
@@ -30,7 +28,7 @@ pub fn store_simulate(
     let curves: Vec<Curve> = answer.tests.iter().map(|(name, t)| simulated_curve(name, t)).collect();
     curve_files(dir, &curves)?;
     fields(dir, case, &snapshots(&done.model, &done.theta, &done.tests, case.output.fields))?;
-    figure_files(&dir.part().join("figures"), &figures::of_curves(&curves)?, &case.output.figures)?;
+    figure_files(dir, &figures::of_curves(&curves)?, &case.output.figures)?;
     if let Some(share) = case.output.noise {
         for (name, content) in synthetic_files(case, answer, share, case.output.seed)? {
             dir.write(name, &content)?;
@@ -62,7 +60,7 @@ pub fn store_discover(
         let rungs: Vec<(String, f64)> =
             answer.ladder.iter().map(|r| (rung_name(&r.effects), r.rms_n)).collect();
         all.extend(figures::staircase(&rungs, noise(found))?);
-        figure_files(&dir.part().join("figures"), &all, &case.output.figures)?;
+        figure_files(dir, &all, &case.output.figures)?;
     }
     page(dir)?;
     Ok(json)
@@ -93,7 +91,7 @@ pub fn store_identify(
     let case = &done.model.case;
     let curves = rung(dir, done, case, replayed, answer, info)?;
     fields(dir, case, &snapshots(&done.model, &done.theta, replayed, case.output.fields))?;
-    figure_files(&dir.part().join("figures"), &figures::of_identify(answer, &curves)?, &case.output.figures)?;
+    figure_files(dir, &figures::of_identify(answer, &curves)?, &case.output.figures)?;
     page(dir)
 }
 
@@ -140,30 +138,30 @@ fn fields(dir: &RunDir, case: &Case, all: &[(String, Vec<Snapshot>)]) -> Result<
     for (name, svg) in pictures(all) {
         dir.write(format!("figures/{name}.svg"), svg.as_bytes())?;
         let figure = Figure { name, caption: String::new(), svg };
-        figure_files(&dir.part().join("figures"), &[figure], &case.output.figures)?;
+        figure_files(dir, &[figure], &case.output.figures)?;
     }
     Ok(())
 }
 
-/// Writes each figure alone, in each of the formats.
+fn figure_files(dir: &RunDir, figures: &[Figure], formats: &[Format]) -> Result<(), ReportError> {
+    exported(figures, formats)?.iter().try_for_each(|(name, content)| dir.write(name, content))
+}
+
+/// Each figure alone, in each of the formats: its path in a run directory, and the file.
 ///
 /// # Errors
-/// If a figure cannot be converted, or the disk refuses.
-pub fn figure_files(folder: &Path, figures: &[Figure], formats: &[Format]) -> Result<(), ReportError> {
-    std::fs::create_dir_all(folder).map_err(ReportError::io(folder, "create the directory"))?;
-    for figure in figures {
-        for &format in formats {
-            let file = folder.join(format!("{}.{}", figure.name, ending(format)));
-            write_atomic(&file, &export(figure, format)?)?;
-        }
-    }
-    Ok(())
+/// If a figure cannot be converted.
+pub fn exported(figures: &[Figure], formats: &[Format]) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+    let one = |figure: &Figure, format| {
+        Ok((format!("figures/{}.{}", figure.name, ending(format)), export(figure, format)?))
+    };
+    figures.iter().flat_map(|figure| formats.iter().map(move |&format| one(figure, format))).collect()
 }
 
 /// `report.html` from what was written so far.
 fn page(dir: &RunDir) -> Result<(), ReportError> {
-    let run = StoredRun::read(dir.part())?;
-    let run = StoredRun { path: dir.place().to_owned(), ..run };
+    let run = StoredRun::read_part(dir.part())?;
+    let run = run.in_folder(dir.place());
     dir.write("report.html", html::page(&run, dir.part())?.as_bytes())
 }
 
@@ -216,8 +214,22 @@ pub fn store_partial(
     partial: &Partial,
     info: &RunInfo,
 ) -> Result<(), ReportError> {
-    common(dir, case, partial, info)?;
+    store_unfinished(dir, case, partial, info)?;
     dir.write("history.csv", &history_csv(&partial.history)?)
+}
+
+/// The same for a search of which there is no history: its input, what is known so far, and the page.
+///
+/// # Errors
+/// If the disk refuses.
+pub fn store_unfinished<T: Serialize>(
+    dir: &RunDir,
+    case: &Case,
+    partial: &T,
+    info: &RunInfo,
+) -> Result<(), ReportError> {
+    common(dir, case, partial, info)?;
+    page(dir)
 }
 
 fn common<T: Serialize>(dir: &RunDir, case: &Case, answer: &T, info: &RunInfo) -> Result<(), ReportError> {

@@ -105,7 +105,13 @@ fn search(
     let late = || Instant::now() >= deadline;
     let mut ladder = FeLadder::new(
         Arc::new(case),
-        analysis::How { catalogue: &catalogue, policy: policy.clone(), progress, cancelled: &late },
+        analysis::How {
+            catalogue: &catalogue,
+            policy: policy.clone(),
+            progress,
+            cancelled: &late,
+            journal: &analysis::NoJournal,
+        },
     )
     .map_err(|e| e.to_string())?;
     let d = ladder.search().map_err(|e| e.to_string())?;

@@ -113,7 +113,13 @@ fn a_base_model_that_had_stuck_begins_again() {
     let catalogue = effects::catalogue();
     let case = input::read_case(&folder.join("config.toml"), &catalogue).expect("a good file");
     let policy = diagnose::Policy::default();
-    let how = analysis::How { catalogue: &catalogue, policy, progress: &|_| (), cancelled: &|| false };
+    let how = analysis::How {
+        catalogue: &catalogue,
+        policy,
+        progress: &|_| (),
+        cancelled: &|| false,
+        journal: &analysis::NoJournal,
+    };
     let mut ladder = analysis::FeLadder::new(case.into(), how).expect("a base fit");
     let base = ladder.rungs.get_mut(&Vec::new()).expect("the base is the first rung");
     let found = base.fit.f;
@@ -139,7 +145,13 @@ fn a_camera_on_the_edges_tells_compliance_from_slack() {
     let catalogue = effects::catalogue();
     let case = input::read_case(&folder.join("config.toml"), &catalogue).expect("a good file");
     let policy = diagnose::Policy::default();
-    let how = analysis::How { catalogue: &catalogue, policy, progress: &|_| (), cancelled: &|| false };
+    let how = analysis::How {
+        catalogue: &catalogue,
+        policy,
+        progress: &|_| (),
+        cancelled: &|| false,
+        journal: &analysis::NoJournal,
+    };
     let mut ladder = analysis::FeLadder::new(case.into(), how).expect("a base fit");
     let none = diagnose::Hints::new();
     let base = ladder.fit(&[], &none).expect("the base is there");

@@ -39,7 +39,7 @@ fn clean(case: &Case) -> (Model, DVector<f64>) {
 }
 
 fn identify(case: &Case) -> Identified {
-    let control = Control { progress: &|_| {}, cancelled: &|| false };
+    let control = Control { progress: &|_| {}, cancelled: &|| false, journal: &analysis::NoJournal };
     analysis::identify(Arc::new(case.clone()), &effects::catalogue(), &control)
         .unwrap_or_else(|e| panic!("{e}"))
 }
@@ -117,6 +117,7 @@ fn repeat(
             policy: Policy::default(),
             progress: &quiet,
             cancelled: &|| false,
+            journal: &analysis::NoJournal,
         },
     )
     .expect("a ladder");

@@ -13,9 +13,11 @@ pub(crate) use work::{TRIAL_BUDGET, Work};
 
 use crate::data::{Measured, RecordError};
 use crate::held_out::{HeldOut, held_out};
+use crate::journal::Journal;
 use crate::problem::Cancelled;
 use input::Case;
 use inverse::{Fit, FitError, Free, Iterate, Noise, PredictError, Quality, Uncertainty, Whitened};
+use model::cost::Purpose;
 use model::{BuildError, Catalogue, Discretisation, Model, RunOptions};
 use nalgebra::DVector;
 use search::{Search, staged};
@@ -83,6 +85,8 @@ pub struct Control<'a> {
     pub progress: &'a (dyn Fn(&Progress) + Sync),
     /// Asked between steps.
     pub cancelled: Cancelled<'a>,
+    /// Where finished fits are kept.
+    pub journal: &'a dyn Journal,
 }
 
 /// One run of the search, kept for the convergence plot.
@@ -167,7 +171,7 @@ pub fn identify(
     control: &Control,
 ) -> Result<Identified, AnalysisError> {
     let case = crate::condensed(&case);
-    let fine = Model::new(case.clone(), catalogue, Discretisation::default())?;
+    let fine = Model::checked(case.clone(), catalogue, Discretisation::default(), Purpose::Fit)?;
     let coarse = coarse_model(&case, catalogue)?;
     let options = run_options(&case);
     let wanted = fine.recorded();

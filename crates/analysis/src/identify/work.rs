@@ -2,6 +2,7 @@
 
 use super::{AnalysisError, Control, HistoryEntry, Progress, Stage};
 use crate::data::Measured;
+use crate::journal::{Asked, remembered};
 use crate::problem::FeProblem;
 use input::{Case, TestKind};
 use inverse::{Fit, FitOptions, Free, Iterate, MultiStart, Objective};
@@ -176,17 +177,31 @@ impl<'a> Work<'a> {
         };
         let several = self.case.identify.multi_start;
         // On the coarse mesh where there is one: that is where a search may still go astray.
-        let fit = if several > 1 && !starting && coarse == self.coarse_level {
-            let how = MultiStart { starts: several, ..MultiStart::default() };
+        let starts = if several > 1 && !starting && coarse == self.coarse_level { several } else { 1 };
+        let asked = Asked {
+            problem: &problem,
+            data: &measured.data,
+            free: &list,
+            options: &fit_options,
+            how: &format!("{} starts", starts),
+            cancelled: self.control.cancelled,
+        };
+        let done = remembered(self.control.journal, &asked, &mut observer, &mut |observer| {
+            if starts == 1 {
+                return Ok((inverse::fit(&problem, &measured.data, &list, &fit_options, observer)?, None));
+            }
+            let how = MultiStart { starts, ..MultiStart::default() };
             let mut each = |_: usize, iterate: &Iterate| observer(iterate);
             let ends = inverse::multi_start(&problem, &measured.data, &list, &fit_options, &how, &mut each)?;
-            let told = format!("{}: {}", stage.word(), ends.sentence());
+            let told = ends.sentence();
+            Ok((ends.best, Some(told)))
+        })?;
+        let fit = done.fit;
+        if let Some(sentence) = done.starts {
+            let told = format!("{}: {sentence}", stage.word());
             self.starts = Some(self.starts.take().map_or(told.clone(), |s| format!("{s} {told}")));
-            ends.best
-        } else {
-            inverse::fit(&problem, &measured.data, &list, &fit_options, &mut observer)?
-        };
-        self.runs += problem.runs();
+        }
+        self.runs += done.runs;
         self.theta = problem.full(&fit.theta);
         if !coarse {
             self.iterations = self.iterations.max(fit.iterations);

@@ -3,10 +3,11 @@
 use super::{FeLadder, Fitted};
 use crate::columns::transfer;
 use crate::identify::{AnalysisError, frees, run_options};
+use crate::journal::{Asked, remembered};
 use crate::problem::FeProblem;
 use crate::{priors, start};
 use input::EffectConfig;
-use inverse::{FitOptions, Problem as _, quality};
+use inverse::{FitOptions, Iterate, Problem as _, quality};
 use model::{Discretisation, Model};
 use nalgebra::DVector;
 use std::ops::ControlFlow;
@@ -55,7 +56,7 @@ impl FeLadder<'_> {
             let objective = p.iterate.f.map_or("no answer".into(), |f| format!("objective {f:.4e}"));
             say(&format!("start, {}: iteration {}, {objective}", p.stage.word(), p.iterate.iteration));
         };
-        let quiet = crate::Control { progress: &shown, cancelled: self.cancelled };
+        let quiet = crate::Control { progress: &shown, cancelled: self.cancelled, journal: self.journal };
         if start && let Some(start) = start::for_case(&self.case, self.catalogue, self.options, &quiet)? {
             start::spread(&model, &start, &mut theta);
         }
@@ -192,7 +193,7 @@ impl FeLadder<'_> {
             let best = self.rungs.values().map(|f| f.fit.f).fold(f64::INFINITY, f64::min);
             let far = UNEXPLAINED * self.measured.data.points() as f64;
             let mut last = f64::INFINITY;
-            let fit = inverse::fit(&problem, &self.measured.data, &list, &options, &mut |i| {
+            let mut watch = |i: &Iterate| {
                 if let Some(f) = i.f {
                     progress(&format!(
                         "{names}: iteration {}, χ² {f:.1}{}",
@@ -207,9 +208,20 @@ impl FeLadder<'_> {
                 let idle = taken.is_some_and(|f| f > far && last - f < COARSE_TOLERANCE * f);
                 last = taken.unwrap_or(last);
                 if hopeless || idle { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            let asked = Asked {
+                problem: &problem,
+                data: &self.measured.data,
+                free: &list,
+                options: &options,
+                how: &format!("best {best}, far {far}"),
+                cancelled: self.cancelled,
+            };
+            let done = remembered(self.journal, &asked, &mut watch, &mut |observer| {
+                Ok((inverse::fit(&problem, &self.measured.data, &list, &options, observer)?, None))
             })?;
-            self.runs.fetch_add(problem.runs(), Ordering::Relaxed);
-            (fit, problem.warm())
+            self.runs.fetch_add(done.runs, Ordering::Relaxed);
+            (done.fit, done.warm)
         };
         let mut all = theta;
         for (&i, &v) in free.iter().zip(&fit.theta) {

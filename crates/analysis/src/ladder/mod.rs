@@ -16,10 +16,12 @@ pub use next_test::{NextTest, Tried};
 use crate::columns::Base;
 use crate::data::Measured;
 use crate::identify::{AnalysisError, coarser, run_options};
+use crate::journal::Journal;
 use crate::problem::Cancelled;
 use diagnose::{Candidate, Policy, Rung, Screen};
 use input::Case;
 use inverse::{Data, Fit, Free, Noise, Quality, Whitened};
+use model::cost::Purpose;
 use model::{Catalogue, Discretisation, Model, RunOptions};
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -74,6 +76,7 @@ pub struct FeLadder<'a> {
     runs: AtomicUsize,
     policy: Policy,
     progress: &'a (dyn Fn(&str) + Sync),
+    journal: &'a dyn Journal,
 }
 
 impl<'a> FeLadder<'a> {
@@ -98,11 +101,11 @@ impl<'a> FeLadder<'a> {
     }
 
     fn unfitted(case: Arc<Case>, how: How<'a>) -> Result<Self, AnalysisError> {
-        let How { catalogue, policy, progress, cancelled } = how;
+        let How { catalogue, policy, progress, cancelled, journal } = how;
         let case = crate::condensed(&case);
         // The search works on a coarser mesh than the file's.
         let (coarse, mesh) = coarser(&case);
-        let fine = Model::new(case.clone(), catalogue, Discretisation::default())?;
+        let fine = Model::checked(case.clone(), catalogue, Discretisation::default(), Purpose::Fit)?;
         let wanted = fine.recorded();
         let measured = Measured::cautious(&fine, &wanted)?;
         Ok(Self {
@@ -119,6 +122,7 @@ impl<'a> FeLadder<'a> {
             runs: AtomicUsize::new(0),
             policy,
             progress,
+            journal,
         })
     }
 }
@@ -134,6 +138,8 @@ pub struct How<'a> {
     pub progress: &'a (dyn Fn(&str) + Sync),
     /// Who stops it.
     pub cancelled: Cancelled<'a>,
+    /// Where finished fits are kept.
+    pub journal: &'a dyn Journal,
 }
 
 /// A model by its effects.
@@ -231,10 +237,6 @@ impl diagnose::Ladder for FeLadder<'_> {
         crate::needs::untold(&self.case, self.catalogue, effect)
     }
 
-    fn strangers(&self, effect: &str) -> Vec<String> {
-        crate::needs::strangers(&self.case, self.catalogue, effect)
-    }
-
     fn interrupted(&self) -> bool {
         (self.cancelled)()
     }
@@ -253,6 +255,11 @@ impl FeLadder<'_> {
             .filter(|(k, _)| k.iter().all(|e| key.contains(e)))
             .max_by_key(|(k, _)| k.len())
             .map(|(_, f)| f)
+    }
+
+    /// Tells whom the search tells.
+    pub(crate) fn say(&self, what: &str) {
+        (self.progress)(what);
     }
 
     /// The effects that are searched.

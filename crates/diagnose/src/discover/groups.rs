@@ -70,8 +70,6 @@ impl<L: Ladder> Search<'_, L> {
                 group.push(name);
             }
         }
-        let strangers = self.ladder.strangers(&group[0]);
-        group.extend(strangers);
     }
 
     /// Where noise explains the records without either effect, a rival's further parameters are no evidence

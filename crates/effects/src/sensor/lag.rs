@@ -12,7 +12,7 @@ static CARD: Card = Card {
     law: "F_recorded(t) = F(t − τ)",
     reference: "measuring practice: low-pass filters, unsynchronised channels",
     shows_in: &["unload", "reload", "rate change", "hold"],
-    look_alikes: &["viscoelastic"],
+    look_alikes: &["viscoelastic", "backlash"],
     separated_by: "a hold: a late force settles within τ, a viscous one relaxes on; or two rates: the loop of a lag widens with the rate",
     excludes: &[],
     needs: &["pause or two rates"],
@@ -43,11 +43,6 @@ impl Effect for Lag {
 
     fn start(&self, scales: &Scales) -> Vec<f64> {
         vec![scales.sampling.clamp(0.0, 60.0)]
-    }
-
-    /// At one rate a late force is one that follows a displaced motion.
-    fn strangers(&self) -> &'static [&'static str] {
-        &["play in the rig"]
     }
 
     fn act(&self, _options: &Options, _piece: &Piece) -> Action {

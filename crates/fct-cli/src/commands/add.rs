@@ -1,17 +1,18 @@
 //! `fct add`: a config with an effect added.
 
-use super::edit::{source, write};
+use super::edit::{next, source, write};
 use super::effects::find;
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
 use ::report::answer::SCHEMA;
+use ::report::{ReportError, StoredRun};
 use input::edit::add_effect;
 use model::Options;
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Arguments of `fct add`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// Name of the effect (`fct effects` lists them)
     #[arg(value_name = "EFFECT")]
@@ -21,15 +22,14 @@ pub struct Arguments {
     pub file: PathBuf,
 }
 
-/// Files of a run that can hold a screen: `diagnose` and `discover` write the first, `discover` the second too.
-const SCREENED: [&str; 2] = ["diagnosis.json", "summary.json"];
-
-/// What the screen of a run found out about an effect: start values and the reason.
-fn finding(run: &Path, effect: &str) -> Option<Value> {
-    SCREENED.iter().find_map(|file| {
-        let answer: Value = serde_json::from_str(&std::fs::read_to_string(run.join(file)).ok()?).ok()?;
-        answer["screen"].as_array()?.iter().find(|f| f["effect"] == effect).cloned()
-    })
+/// What the screen of a run found out about an effect: start values and the reason. `diagnose` leaves it beside the answer,
+/// `discover` in it.
+fn finding(run: &StoredRun, effect: &str) -> Result<Option<Value>, ReportError> {
+    let diagnosis = run.diagnosis()?;
+    Ok(diagnosis
+        .iter()
+        .chain([&run.answer])
+        .find_map(|answer| answer["screen"].as_array()?.iter().find(|f| f["effect"] == effect).cloned()))
 }
 
 /// Writes the config with the effect, started from the run's screen where there is one; comments and order kept.
@@ -42,7 +42,10 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let from = source(&arguments.file)?;
     let specs = effect.parameters(&Options::new());
     let keys: Vec<String> = specs.iter().map(|s| s.key()).collect();
-    let finding = from.run.as_deref().and_then(|run| finding(run, card.name));
+    let finding = match &from.run {
+        Some(run) => finding(run, card.name)?,
+        None => None,
+    };
     let start = |default: f64, bounds: [f64; 2], key: &str| {
         let estimated = finding.as_ref().and_then(|f| f["estimate"][key].as_f64());
         estimated.filter(|x| (bounds[0]..=bounds[1]).contains(x)).unwrap_or(default)
@@ -62,5 +65,5 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let file = write(&from, &text, &format!("+{}", card.name), session)?;
     let shown = file.display().to_string();
     let json = json!({ "schema": SCHEMA, "file": file, "effect": card.name, "parameters": keys });
-    Outcome::new(&json, format!("{shown}\nnext: fct identify {shown}\n"))
+    Outcome::new(&json, format!("{shown}\nnext: {}\n", next(&from, &file)))
 }

@@ -1,16 +1,18 @@
 //! `fct batch`: many specimens; one that fails does not stop the others.
 
-use super::identify::identify;
+use super::identify::{Answered, identify};
 use crate::outcome::{Failure, Outcome};
-use crate::session::{Session, file_name};
+use crate::place::Job;
+use crate::session::Session;
 use ::report::answer::{IdentifyAnswer, SCHEMA};
-use ::report::{html, terminal, write_atomic};
+use ::report::{html, terminal, write_named};
 use rayon::prelude::*;
 use serde_json::json;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `fct batch`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// Specimens or configs
     #[arg(value_name = "FILE", required = true)]
@@ -28,7 +30,7 @@ type Failed = (PathBuf, Box<Failure>);
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
     let base = session.common.out.clone().unwrap_or_else(|| "runs".into());
     let places = places(&arguments.files, &base, session);
-    let results: Vec<Result<(IdentifyAnswer, PathBuf), Failed>> = places
+    let results: Vec<Result<Answered, Failed>> = places
         .into_par_iter()
         .map(|(file, read)| {
             let (case, place) = read.map_err(|e| (file.clone(), Box::new(e)))?;
@@ -36,35 +38,42 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
             identify(&case, &place, session, &progress).map_err(|e| (file, Box::new(e)))
         })
         .collect();
-    let (mut answers, mut failed) = (Vec::new(), Vec::new());
+    let (mut answers, mut failed, mut unstored) = (Vec::new(), Vec::new(), Vec::new());
     for result in results {
         match result {
-            Ok(answer) => answers.push(answer),
+            Ok(Answered { answer, stored: Ok(place), .. }) => answers.push((answer, Some(place))),
+            Ok(Answered { answer, stored: Err(why), .. }) => {
+                answers.push((answer, None));
+                unstored.push(why.to_string());
+            }
             Err(failure) => failed.push(failure),
         }
     }
-    if !answers.is_empty() {
-        overview(&base, &answers, &failed)?;
+    if !answers.is_empty()
+        && let Err(why) = overview(&base, &answers, &failed, session)
+    {
+        unstored.push(why.message);
     }
     let (answers, page): (Vec<IdentifyAnswer>, _) =
         (answers.into_iter().map(|a| a.0).collect(), base.join("batch.html"));
-    tell(&answers, failed, &page, session)
+    let mut outcome = tell(&answers, failed, &page, session)?;
+    if let Some(why) = unstored.first() {
+        outcome.partial = Some(format!("the answer is above, but not all of it could be stored: {why}"));
+    }
+    Ok(outcome)
 }
 
 type Read = (PathBuf, Result<(std::sync::Arc<input::Case>, PathBuf), Failure>);
 
 /// Reads all files; two specimens of one name get run directories of their own.
 fn places(files: &[PathBuf], base: &Path, session: &Session) -> Vec<Read> {
-    let mut taken: Vec<String> = Vec::new();
+    let mut taken = HashSet::new();
     files
         .iter()
         .map(|file| {
             let read = session.fitted_case(file).map(|case| {
-                let name = file_name(&case.name);
-                let count = taken.iter().filter(|t| **t == name).count();
-                taken.push(name.clone());
-                let folder = if count == 0 { name } else { format!("{name}-{}", count + 1) };
-                (case, base.join(folder))
+                let place = Job { command: "identify", case: &case }.place_under(base, &mut taken);
+                (case, place)
             });
             (file.clone(), read)
         })
@@ -72,15 +81,21 @@ fn places(files: &[PathBuf], base: &Path, session: &Session) -> Vec<Read> {
 }
 
 /// `batch.html` beside the run directories: all specimens on one page.
-fn overview(base: &Path, answers: &[(IdentifyAnswer, PathBuf)], failed: &[Failed]) -> Result<(), Failure> {
-    let link = |place: &PathBuf| {
-        let folder = place.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-        format!("{folder}/report.html")
+fn overview(
+    base: &Path,
+    answers: &[(IdentifyAnswer, Option<PathBuf>)],
+    failed: &[Failed],
+    session: &Session,
+) -> Result<(), Failure> {
+    let link = |place: &Option<PathBuf>| {
+        let name = place.as_deref().and_then(Path::file_name);
+        name.map_or_else(String::new, |n| format!("{}/report.html", n.to_string_lossy()))
     };
     let specimens: Vec<_> = answers.iter().map(|(a, place)| (a.clone(), link(place))).collect();
-    let failed: Vec<_> = failed.iter().map(|(f, e)| (f.display().to_string(), e.message.clone())).collect();
-    write_atomic(&base.join("batch.html"), html::batch_page(&specimens, &failed).as_bytes())?;
-    Ok(())
+    let failed: Vec<_> =
+        failed.iter().map(|(f, e)| (f.display().to_string(), e.reason().to_owned())).collect();
+    let page = html::batch_page(&specimens, &failed);
+    Ok(write_named(&base.join("batch.html"), page.as_bytes(), session.common.force, html::is_page)?)
 }
 
 fn tell(
@@ -93,11 +108,12 @@ fn tell(
     let mut text = terminal::batch(&rows, session.style());
     text.push('\n');
     for (file, failure) in &failed {
-        text.push_str(&format!("failed: {}: {}\n", file.display(), failure.message));
+        text.push_str(&format!("failed: {}: {}\n", file.display(), failure.reason()));
     }
     let reasons: Vec<_> =
-        failed.iter().map(|(file, f)| json!({ "file": file, "reason": f.message })).collect();
-    let json = json!({ "schema": SCHEMA, "specimens": answers, "failed": reasons, "table": rows });
+        failed.iter().map(|(file, f)| json!({ "file": file, "reason": f.reason() })).collect();
+    let json = json!({ "schema": SCHEMA, "specimens": answers, "failed": reasons, "table": rows,
+        "over_all": terminal::batch_mean(&rows) });
     if answers.is_empty() && failed.iter().all(|f| f.1.code == 2) {
         let message = failed.iter().map(|f| f.1.message.clone()).collect::<Vec<_>>().join("\n");
         return Err(Failure { code: 2, message, json });

@@ -5,12 +5,13 @@ use crate::session::Session;
 use ::report::terminal::{doctor_lines, wrap};
 use analysis::{AnalysisError, doctor};
 use input::{Case, resolved_toml};
+use model::cost::{self, Cost, Need, Purpose, RUNS_OF_A_FIT};
 use model::{Discretisation, Model};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::PathBuf;
 
 /// Arguments of `fct check`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// A specimen or a config
     #[arg(value_name = "FILE")]
@@ -26,7 +27,9 @@ pub struct Arguments {
 /// Everything that is wrong with the file.
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
     let case = session.case(&arguments.file)?;
-    let model = Model::new(case.clone(), &session.catalogue, Discretisation::default())
+    let how = Discretisation::default();
+    let cost = Cost::of(&case, &session.catalogue, how).map_err(AnalysisError::Build)?;
+    let model = Model::checked(case.clone(), &session.catalogue, how, Purpose::Simulation)
         .map_err(AnalysisError::Build)?;
     let resolved = resolved_toml(&case);
     let tests: Vec<_> = model
@@ -45,15 +48,46 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let answer = json!({
         "schema": ::report::answer::SCHEMA, "specimen": case.name, "provenance": case.provenance,
         "effects": model.effects(), "tests": tests, "free_parameters": free,
-        "warnings": case.warnings, "resolved": resolved, "doctor": doctor,
+        "warnings": case.warnings, "resolved": resolved, "needs": needs(&cost), "doctor": doctor,
     });
     let told = doctor_lines(&doctor).iter().map(|l| format!("# {l}\n")).collect::<String>();
-    let text = format!("{}{resolved}\n{told}", heading(&case, &model, &free));
+    let text = format!("{}{resolved}\n{told}", heading(&case, &model, &free, &cost));
     Outcome::new(&answer, text)
 }
 
+/// Memory and time, as data.
+fn needs(cost: &Cost) -> Value {
+    let need = |n: Need| json!({ "memory_bytes": n.bytes.round(), "seconds_per_run": n.seconds });
+    json!({
+        "run": need(cost.simulation),
+        "identify": { "memory_bytes": cost.fit.bytes.round(), "seconds_per_run": cost.fit.seconds, "runs": RUNS_OF_A_FIT, "seconds": cost.seconds_of_a_fit() },
+        "elements": cost.elements, "elements_along_the_tear": cost.ahead, "available_bytes": cost::available_bytes(),
+    })
+}
+
+/// Memory and time in words. A fit is spoken of where there is a record to fit.
+fn needs_in_words(case: &Case, cost: &Cost) -> String {
+    let (bytes, duration) = (cost::bytes, cost::duration);
+    let run = cost.simulation;
+    let mut out =
+        format!("needs about {} and {} per run of the model", bytes(run.bytes), duration(run.seconds));
+    if case.tests.iter().any(|t| t.record.is_some()) {
+        let fit = cost.fit;
+        out.push_str(&format!(
+            "; identify takes some {RUNS_OF_A_FIT} runs, most on a coarser mesh: about {} and {} on one core",
+            bytes(fit.bytes),
+            duration(cost.seconds_of_a_fit())
+        ));
+        let available = cost::available_bytes().unwrap_or(cost::MOST_BYTES).min(cost::MOST_BYTES);
+        if fit.bytes > available || fit.seconds > cost::MOST_SECONDS {
+            out.push_str(&format!(": more than this machine has ({} to give)", bytes(available)));
+        }
+    }
+    out
+}
+
 /// A comment above the resolved file, so that the output is a valid config.
-fn heading(case: &Case, model: &Model, free: &[&str]) -> String {
+fn heading(case: &Case, model: &Model, free: &[&str], cost: &Cost) -> String {
     let mut out = format!("# {}: valid.", case.name);
     for t in &model.tests {
         let points = t.test.record.as_ref().map_or("a protocol".into(), |r| format!("{} points", r.len()));
@@ -64,6 +98,7 @@ fn heading(case: &Case, model: &Model, free: &[&str]) -> String {
     if let Some(held) = ::report::answer::held_at_limits(&model.parameters) {
         out.push_str(&format!("# {}\n", wrap(&held, 94, 0).replace('\n', "\n#   ")));
     }
+    out.push_str(&format!("# {}\n", wrap(&needs_in_words(case, cost), 94, 0).replace('\n', "\n#   ")));
     out.push('\n');
     out
 }

@@ -4,11 +4,11 @@ use super::identify::identify;
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
 use ::report::answer::CompareAnswer;
-use ::report::{StoredRun, terminal};
+use ::report::terminal;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `fct compare`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// A run directory of `fct identify` or `fct discover`; a specimen or a config is identified first
     #[arg(value_name = "RUN")]
@@ -24,16 +24,17 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
         last_rung(&arguments.run)
     } else {
         let case = session.fitted_case(&arguments.run)?;
-        identify(&case, &session.place(&case), session, &session.progress(&case.name))?.1
+        let place = session.place("identify", &case);
+        identify(&case, &place, session, &session.progress(&case.name))?.stored?
     };
-    let run = StoredRun::read(&place)?;
+    let run = session.stored(&place)?;
     let found = run.identify().ok_or_else(|| {
         Failure::usage(format!(
             "fct: {}: expected a finished run of `fct identify` or `fct discover`",
             place.display()
         ))
     })?;
-    let curves = run.curves();
+    let curves = run.curves()?;
     let answer = CompareAnswer::new(&found, &curves);
     Outcome::new(&answer, terminal::compare(&answer, &found, &curves, session.style()))
 }

@@ -2,11 +2,12 @@
 
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
-use ::report::{StoredRun, html, terminal, write_atomic};
-use std::path::PathBuf;
+use ::report::{ReportError, StoredRun, amend, html, terminal};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `fct diagnose`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// A run directory of `fct identify`, a specimen or a config
     #[arg(value_name = "RUN")]
@@ -20,18 +21,24 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
     let case = session.identified_case(&arguments.run)?;
     let progress = session.progress(&case.name);
-    let answer =
-        analysis::diagnose(case, &session.catalogue, &|s| progress.note(s), &|| session.cancelled())?;
+    let (note, cancelled) = (|s: &str| progress.note(s), || session.cancelled());
+    let answer = analysis::diagnose(case, &session.catalogue, &note, &cancelled, &analysis::NoJournal)?;
     drop(progress);
     let outcome = Outcome::new(&answer, String::new())?;
-    if arguments.run.is_dir() {
-        write_atomic(&arguments.run.join("diagnosis.json"), format!("{:#}\n", outcome.json).as_bytes())?;
-        // The page answers what is missing as soon as that is known.
-        if let Ok(run) = StoredRun::read(&arguments.run) {
-            let page = html::page(&run, &run.path)?;
-            write_atomic(&arguments.run.join("report.html"), page.as_bytes())?;
-        }
-    }
     let text = terminal::discover(&outcome.json, session.style());
-    Ok(Outcome { text, ..outcome })
+    let outcome = Outcome { text, ..outcome };
+    if !arguments.run.is_dir() {
+        return Ok(outcome);
+    }
+    Ok(match store(&arguments.run, &outcome.json) {
+        Ok(()) => outcome,
+        Err(why) => outcome.unstored(&why),
+    })
+}
+
+/// Adds the diagnosis to the run, and makes its page anew: it answers what is missing as soon as that is known.
+fn store(place: &Path, diagnosis: &Value) -> Result<(), ReportError> {
+    amend(place, &[("diagnosis.json", format!("{diagnosis:#}\n").as_bytes())])?;
+    let page = html::page(&StoredRun::read(place)?, place)?;
+    amend(place, &[("report.html", page.as_bytes())])
 }

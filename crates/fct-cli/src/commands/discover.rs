@@ -1,13 +1,18 @@
 //! `fct discover`: the whole loop until the record is explained, or honestly not.
 
 use super::rungs;
+use super::unfinished::kept;
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
-use ::report::{RunDir, store_discover, terminal};
+use ::report::{Partial, RunDir, store_discover, store_unfinished, terminal};
+use analysis::DiscoverAnswer;
+use input::Case;
+use serde_json::Value;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Arguments of `fct discover`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// A specimen or a config
     #[arg(value_name = "FILE")]
@@ -20,29 +25,64 @@ pub struct Arguments {
 /// Bad input, a model that cannot be computed, a directory that cannot be written.
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
     let case = session.fitted_case(&arguments.file)?;
-    let place = session.place(&case);
+    let place = session.place("discover", &case);
     if let Some(run) = session.finished("discover", &case, &place) {
         let text = terminal::discover(&run.answer, session.style());
-        return Ok(Outcome { json: run.answer, text, partial: None });
+        return Ok(Outcome { json: run.answer, text, partial: None }.at(&place));
     }
-    let dir = RunDir::begin(&place)?;
-    let progress = session.progress(&case.name);
+    let dir = RunDir::begin(&place, session.how())?;
+    let (found, top) = match search(&dir, &case, session) {
+        Ok(found) if !session.cancelled() => found,
+        Ok((answer, _)) => return Err(interrupted(dir, &case, session, Some(&answer))),
+        Err(_) if session.cancelled() => return Err(interrupted(dir, &case, session, None)),
+        Err(failure) => return Err(failure),
+    };
+    let info = session.info("discover", &case, true);
+    let top = top.as_ref().map(|t| (&t.done, t.replayed.as_slice(), &t.answer));
+    let stored = store_discover(&dir, &case, &found, top, &info).and_then(|_| dir.finish());
+    let json = serde_json::to_value(&found).unwrap_or_default();
+    let text = terminal::discover(&json, session.style());
+    let outcome = Outcome { json, text, partial: None };
+    Ok(match stored {
+        Ok(place) => outcome.at(&place),
+        Err(why) => outcome.unstored(&why),
+    })
+}
+
+/// The search, and every rung of its ladder on the file's mesh. Ends early where the user stops it.
+fn search(
+    dir: &RunDir,
+    case: &Arc<Case>,
+    session: &Session,
+) -> Result<(DiscoverAnswer, Option<rungs::Top>), Failure> {
+    let (progress, journal) = (session.progress(&case.name), dir.journal());
     let (note, cancelled) = (|s: &str| progress.note(s), || session.cancelled());
-    let mut answer = analysis::discover(case.clone(), &session.catalogue, &note, &cancelled)?;
-    let one = analysis::one_strength(&case, &session.catalogue, &answer, &note, &cancelled);
+    let mut answer = analysis::discover(case.clone(), &session.catalogue, &note, &cancelled, &journal)?;
+    if session.cancelled() {
+        return Ok((answer, None));
+    }
+    let one = analysis::one_strength(case, &session.catalogue, &answer, &note, &cancelled, &journal);
     answer.one_strength = one.unwrap_or_else(|why| {
         session.say(&format!("one strength along the path could not be tried: {why}"));
         None
     });
     answer.words.extend(answer.one_strength.iter().map(|o| o.words.clone()));
     progress.note("curves and intervals of every rung, on the file's mesh");
-    let top = rungs::store(&dir, &case, &answer, session)?;
-    drop(progress);
-    let info = session.info("discover", &case, !session.cancelled());
-    let top = top.as_ref().map(|t| (&t.done, t.replayed.as_slice(), &t.answer));
-    let json = store_discover(&dir, &case, &answer, top, &info)?;
-    let place = dir.finish()?;
-    let mut text = terminal::discover(&json, session.style());
-    text.push_str(&format!("Run directory: {}\n", place.display()));
-    Ok(Outcome { json, text, partial: session.cancelled().then(|| "stopped by the user".to_owned()) })
+    let top = rungs::store(dir, case, &answer, session)?;
+    Ok((answer, top))
+}
+
+/// Keeps what a search found before the user stopped it.
+fn interrupted(dir: RunDir, case: &Case, session: &Session, answer: Option<&DiscoverAnswer>) -> Failure {
+    const WHY: &str = "stopped by the user";
+    let mut partial = serde_json::to_value(Partial::new(case, Vec::new(), WHY)).unwrap_or_default();
+    if let (Some(all), Some(Value::Object(found))) =
+        (partial.as_object_mut(), answer.and_then(|a| serde_json::to_value(a).ok()))
+    {
+        // What was found so far; that it is no answer stands beside it.
+        all.extend(found.into_iter().filter(|(key, _)| key == "ladder" || key == "screen"));
+    }
+    let stored = store_unfinished(&dir, case, &partial, &session.info("discover", case, false))
+        .and_then(|()| dir.finish_partial(true));
+    kept(stored, WHY, Some(partial), "what was found so far is")
 }

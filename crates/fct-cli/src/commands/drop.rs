@@ -1,6 +1,6 @@
 //! `fct drop`: a config with an effect taken away.
 
-use super::edit::{source, write};
+use super::edit::{next, source, write};
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
 use ::report::answer::SCHEMA;
@@ -9,7 +9,7 @@ use serde_json::json;
 use std::path::PathBuf;
 
 /// Arguments of `fct drop`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// Name of the effect
     #[arg(value_name = "EFFECT")]
@@ -30,5 +30,5 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let file = write(&from, &text, &format!("-{}", arguments.effect), session)?;
     let shown = file.display().to_string();
     let json = json!({ "schema": SCHEMA, "file": file, "effect": arguments.effect });
-    Outcome::new(&json, format!("{shown}\nnext: fct identify {shown}\n"))
+    Outcome::new(&json, format!("{shown}\nnext: {}\n", next(&from, &file)))
 }

@@ -2,7 +2,7 @@
 
 use crate::outcome::Failure;
 use crate::session::Session;
-use ::report::{ReportError, write_atomic};
+use ::report::{StoredRun, quoted_path, write_atomic, write_named};
 use input::edit::{self, EditError};
 use std::path::{Path, PathBuf};
 
@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 pub struct Source {
     /// The TOML file.
     pub file: PathBuf,
-    /// The run directory, if one was named.
-    pub run: Option<PathBuf>,
+    /// The run, if one was named.
+    pub run: Option<StoredRun>,
     /// Its text.
     pub text: String,
 }
@@ -19,13 +19,14 @@ pub struct Source {
 /// Reads a config, or the input of a run.
 ///
 /// # Errors
-/// If there is no such file.
+/// If there is no such file, or it is none that can be a config.
 pub fn source(path: &Path) -> Result<Source, Failure> {
-    let run = path.is_dir().then(|| path.to_owned());
-    let file = if run.is_some() { path.join("run.toml") } else { path.to_owned() };
-    let text = std::fs::read_to_string(&file).map_err(ReportError::io(&file, "read")).map_err(Failure::from);
-    let text = text.map_err(|e| Failure { code: 2, ..e })?;
-    Ok(Source { file, run, text })
+    if path.is_dir() {
+        let stored = StoredRun::read(path)?;
+        return Ok(Source { file: path.join("run.toml"), text: stored.input.clone(), run: Some(stored) });
+    }
+    let text = input::read_text(path, input::LARGEST_TOML, "a config or specimen file (TOML)")?;
+    Ok(Source { file: path.to_owned(), run: None, text })
 }
 
 /// Checks the changed text by reading it, then writes it; the file's relative paths follow it.
@@ -41,14 +42,25 @@ pub fn write(source: &Source, text: &str, ending: &str, session: &Session) -> Re
         )));
     }
     let fault = |e: EditError| Failure::usage(format!("fct: {}: {e}", source.file.display()));
-    let mut text = edit::rebase(text, folder(&source.file), folder(&out)).map_err(fault)?;
+    let (from, to) = (folder(&source.file), folder(&out));
+    let mut text = edit::rebase(text, from, to, source.run.is_some()).map_err(fault)?;
     if let Some(run) = &source.run {
-        let parent = std::path::absolute(run).unwrap_or_else(|_| run.clone());
+        let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let parent = edit::near(&whole(&run.path), &whole(to));
         text = edit::set_parent(&text, &parent.to_string_lossy()).map_err(fault)?;
     }
     validate(&text, &out, session)?;
-    write_atomic(&out, text.as_bytes())?;
+    write_named(&out, text.as_bytes(), session.common.force, |_| false)?;
     Ok(out)
+}
+
+/// What to do with the written config: identify it, with a run directory of its own; that of its name may hold the run
+/// that it came from.
+pub fn next(source: &Source, file: &Path) -> String {
+    let stem = file.file_stem().map_or_else(|| "run".into(), |n| n.to_string_lossy().into_owned());
+    let beside = source.run.as_ref().and_then(|r| r.path.parent()).filter(|p| !p.as_os_str().is_empty());
+    let runs = beside.unwrap_or(if source.run.is_some() { Path::new("") } else { Path::new("runs") });
+    format!("fct identify {} --out {}", quoted_path(file), quoted_path(&runs.join(stem)))
 }
 
 /// Reads the changed text as the commands will, from a file beside the one to be written.
@@ -69,7 +81,10 @@ fn folder(file: &Path) -> &Path {
 fn beside(source: &Source, ending: &str) -> PathBuf {
     match &source.run {
         Some(run) => {
-            let run = std::path::absolute(run).unwrap_or_else(|_| run.clone());
+            // A run named as `.` or `a/..` has no last name of its own.
+            let run = &run.path;
+            let own = run.file_name().is_some();
+            let run = if own { run.clone() } else { run.canonicalize().unwrap_or_else(|_| run.clone()) };
             let name = run.file_name().map_or_else(|| "run".into(), |n| n.to_string_lossy().into_owned());
             run.with_file_name(format!("{name}{ending}.toml"))
         }

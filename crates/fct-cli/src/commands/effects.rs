@@ -8,7 +8,7 @@ use model::{Card, Effect, Options};
 use serde_json::{Value, json};
 
 /// Arguments of `fct effects`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// Name of an effect; all of them when left out
     #[arg(value_name = "NAME")]
@@ -36,7 +36,8 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
                     site = Some(card.site);
                     text.push_str(&format!("\n{}\n", style.bold(card.site.word())));
                 }
-                text.push_str(&format!("  {:<24}{}\n", card.name, wrap(card.summary, 98 - 26, 26)));
+                let head = format!("  {:<24}", card.name);
+                text.push_str(&format!("{}\n", style.after(&head, card.summary)));
             }
             text.push_str("\n`fct effects NAME` shows one card.\n");
             Outcome::new(&json!({ "schema": SCHEMA, "effects": list }), text)
@@ -73,10 +74,11 @@ fn card_json(e: &dyn Effect) -> Value {
 
 fn card_text(e: &dyn Effect, style: Style) -> String {
     let c: &Card = e.card();
-    let mut out = format!("{} ({})\n{}\n\n", style.bold(c.name), c.site.word(), wrap(c.summary, 98, 0));
+    let mut out =
+        format!("{} ({})\n{}\n\n", style.bold(c.name), c.site.word(), wrap(c.summary, style.width, 0));
     let mut line = |head: &str, text: &str| {
         if !text.is_empty() {
-            out.push_str(&format!("{head:<14}{}\n", wrap(text, 98 - 14, 14)));
+            out.push_str(&format!("{}\n", style.after(&format!("{head:<14}"), text)));
         }
     };
     line("law", c.law);
@@ -99,10 +101,13 @@ fn card_text(e: &dyn Effect, style: Style) -> String {
             significant(p.in_file_unit(p.upper), 3)
         );
         let about = format!("{} {}: {} ({bounds}{neutral})", p.symbol, p.key(), p.description);
-        out.push_str(&format!("  {}\n", wrap(&about, 96, 4)));
+        out.push_str(&format!("  {}\n", wrap(&about, style.width, 4)));
     }
     for o in e.options() {
-        out.push_str(&format!("  {}\n", wrap(&format!("option {}: {}", o.name, o.description), 96, 4)));
+        out.push_str(&format!(
+            "  {}\n",
+            wrap(&format!("option {}: {}", o.name, o.description), style.width, 4)
+        ));
     }
     out
 }

@@ -3,12 +3,12 @@
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
 use ::report::answer::SCHEMA;
-use ::report::{StoredRun, terminal};
+use ::report::terminal;
 use serde_json::json;
 use std::path::PathBuf;
 
 /// Arguments of `fct ladder`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// Run directories of `fct identify` on one specimen
     #[arg(value_name = "RUN", required = true)]
@@ -22,7 +22,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
     let mut runs = Vec::new();
     for path in &arguments.runs {
-        let run = StoredRun::read(path)?;
+        let run = session.stored(path)?;
         let answer = run.identify().ok_or_else(|| {
             Failure::usage(format!("fct: {}: expected a finished run of `fct identify`", path.display()))
         })?;

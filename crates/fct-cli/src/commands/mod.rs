@@ -11,11 +11,13 @@ pub mod drop;
 mod edit;
 pub mod effects;
 pub mod identify;
+pub mod import;
 pub mod ladder;
 pub mod new;
 pub mod report;
 mod rungs;
 pub mod simulate;
+mod unfinished;
 
 use crate::cli::Command;
 use crate::outcome::{Failure, Outcome};
@@ -27,19 +29,20 @@ use crate::session::Session;
 /// Why it gave no answer.
 pub fn run(command: &Command, session: &Session) -> Result<Outcome, Failure> {
     match command {
-        Command::New(a) => new::run(a, session),
-        Command::Check(a) => check::run(a, session),
-        Command::Simulate(a) => simulate::run(a, session),
-        Command::Identify(a) => identify::run(a, session),
-        Command::Design(a) => design::run(a, session),
-        Command::Compare(a) => compare::run(a, session),
-        Command::Diagnose(a) => diagnose::run(a, session),
-        Command::Add(a) => add::run(a, session),
-        Command::Drop(a) => drop::run(a, session),
-        Command::Discover(a) => discover::run(a, session),
-        Command::Ladder(a) => ladder::run(a, session),
-        Command::Batch(a) => batch::run(a, session),
-        Command::Effects(a) => effects::run(a, session),
-        Command::Report(a) => report::run(a, session),
+        Command::New(a) => new::run(&a.own, session),
+        Command::Import(a) => import::run(&a.own, session),
+        Command::Check(a) => check::run(&a.own, session),
+        Command::Design(a) => design::run(&a.own, session),
+        Command::Simulate(a) => simulate::run(&a.own, session),
+        Command::Identify(a) => identify::run(&a.own, session),
+        Command::Compare(a) => compare::run(&a.own, session),
+        Command::Diagnose(a) => diagnose::run(&a.own, session),
+        Command::Add(a) => add::run(&a.own, session),
+        Command::Drop(a) => drop::run(&a.own, session),
+        Command::Discover(a) => discover::run(&a.own, session),
+        Command::Ladder(a) => ladder::run(&a.own, session),
+        Command::Batch(a) => batch::run(&a.own, session),
+        Command::Effects(a) => effects::run(&a.own, session),
+        Command::Report(a) => report::run(&a.own, session),
     }
 }

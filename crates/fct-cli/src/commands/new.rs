@@ -3,12 +3,12 @@
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
 use ::report::answer::SCHEMA;
-use ::report::write_atomic;
+use ::report::{quoted_path, write_atomic};
 use serde_json::json;
 use std::path::PathBuf;
 
 /// Arguments of `fct new`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// Name of the specimen, and of the folder that is made
     #[arg(value_name = "NAME")]
@@ -59,7 +59,7 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let text = format!(
         "written:\n{list}\nThe records are synthetic samples: put yours in their place, and your dimensions into\n\
          specimen.toml. It runs as it is:\n  fct check {c}\n  fct identify {c}\n",
-        c = config.display()
+        c = quoted_path(&config)
     );
     Outcome::new(&json!({ "schema": SCHEMA, "files": paths }), text)
 }

@@ -3,12 +3,12 @@
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
 use ::report::answer::SCHEMA;
-use ::report::{StoredRun, figure_files, figures, html, write_atomic};
+use ::report::{StoredRun, amend, exported, figures, html, write_named};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `fct report`.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
     /// Run directories; several with --out: one page with their ladder
     #[arg(value_name = "RUN", required = true)]
@@ -21,14 +21,16 @@ pub struct Arguments {
 /// # Errors
 /// If a directory is no run, or the file cannot be written.
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
-    let runs = arguments.runs.iter().map(|p| StoredRun::read(p)).collect::<Result<Vec<_>, _>>()?;
+    let runs = arguments.runs.iter().map(|p| session.stored(p)).collect::<Result<Vec<_>, _>>()?;
     let mut files = Vec::new();
     match (&session.common.out, runs.as_slice()) {
-        (Some(out), [one]) => files.push(written(out, &html::page(one, &one.path)?)?),
-        (Some(out), many) => files.push(written(out, &html::runs_page(many)?)?),
+        (Some(out), [one]) => files.push(written(out, &html::page(one, &one.path)?, session)?),
+        (Some(out), many) => files.push(written(out, &html::runs_page(many)?, session)?),
         (None, many) => {
             for run in many {
-                files.push(written(&run.path.join("report.html"), &html::page(run, &run.path)?)?);
+                let page = html::page(run, &run.path)?;
+                amend(&run.path, &[("report.html", page.as_bytes())])?;
+                files.push(run.path.join("report.html"));
             }
         }
     }
@@ -39,8 +41,9 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     Outcome::new(&json!({ "schema": SCHEMA, "files": files }), text)
 }
 
-fn written(file: &Path, page: &str) -> Result<PathBuf, Failure> {
-    write_atomic(file, page.as_bytes())?;
+/// A page that the user named: an earlier page of ours is made anew, anything else stays.
+fn written(file: &Path, page: &str, session: &Session) -> Result<PathBuf, Failure> {
+    write_named(file, page.as_bytes(), session.common.force, html::is_page)?;
     Ok(file.to_owned())
 }
 
@@ -48,6 +51,8 @@ fn written(file: &Path, page: &str) -> Result<PathBuf, Failure> {
 fn plots(run: &StoredRun, session: &Session) -> Result<(), Failure> {
     let Some(formats) = &session.common.figures else { return Ok(()) };
     let formats: Vec<input::Figure> = formats.iter().map(|f| (*f).into()).collect();
-    figure_files(&run.path.join("figures"), &figures::of_run(run)?, &formats)?;
-    Ok(())
+    let figures = exported(&figures::of_run(run)?, &formats)?;
+    let figures: Vec<(&str, &[u8])> =
+        figures.iter().map(|(name, content)| (name.as_str(), content.as_slice())).collect();
+    Ok(amend(&run.path, &figures)?)
 }

@@ -4,7 +4,7 @@
 
 use crate::session::Session;
 use ::report::answer::{IdentifyAnswer, StageEnd};
-use ::report::{Published, ReportError, RunDir, store_rung};
+use ::report::{Begin, Published, ReportError, RunDir, RunJournal, store_rung};
 use analysis::{Control, DiscoverAnswer, Identified, LadderRow, SimulateControl, SimulatedTest};
 use input::{Case, Mode};
 use std::path::Path;
@@ -36,6 +36,7 @@ pub fn store(
     session: &Session,
 ) -> Result<Option<Top>, ReportError> {
     let published = Published::of(case)?;
+    let journal = dir.journal();
     let mut last = None;
     for (k, row) in answer.ladder.iter().enumerate() {
         if session.cancelled() {
@@ -44,18 +45,22 @@ pub fn store(
         let place = dir.place().join("rungs");
         let parent = k.checked_sub(1).map(|b| place.join(b.to_string()));
         let rung = case_of(case, row, parent.as_deref());
-        let done = evaluate(&rung, published.as_ref(), FINE, session).or_else(|why| {
+        let done = evaluate(&rung, published.as_ref(), FINE, &journal, session).or_else(|why| {
+            if session.cancelled() {
+                return Err(why);
+            }
             session.say(&format!("rung {k}: {why}; it is computed on the search's coarser mesh instead"));
-            evaluate(&coarser(&rung), published.as_ref(), COARSE, session)
+            evaluate(&coarser(&rung), published.as_ref(), COARSE, &journal, session)
         });
         match done {
             Ok(top) => {
-                let part = RunDir::begin(&dir.part().join("rungs").join(k.to_string()))?;
+                let part = RunDir::begin(&dir.part().join("rungs").join(k.to_string()), Begin::default())?;
                 let info = session.info("identify", &rung, true);
                 store_rung(&part, &top.done, &rung, &top.replayed, &top.answer, &info)?;
                 part.finish()?;
                 last = (k + 1 == answer.ladder.len()).then_some(top);
             }
+            Err(_) if session.cancelled() => return Ok(None),
             Err(why) => session.say(&format!("rung {k} is not among the curves: {why}")),
         }
     }
@@ -92,6 +97,7 @@ fn evaluate(
     case: &Case,
     published: Option<&Published>,
     reason: &str,
+    journal: &RunJournal,
     session: &Session,
 ) -> Result<Top, analysis::AnalysisError> {
     let begun = std::time::Instant::now();
@@ -102,7 +108,7 @@ fn evaluate(
     let done = analysis::identify(
         Arc::new(still),
         &session.catalogue,
-        &Control { progress: &|_| {}, cancelled: &cancelled },
+        &Control { progress: &|_| {}, cancelled: &cancelled, journal },
     )?;
     let replayed = analysis::replay(&done, &SimulateControl { progress: &|_, _| {}, cancelled: &cancelled })?;
     let mut answer = IdentifyAnswer::new(&done, &replayed, published, begun.elapsed().as_secs_f64());

@@ -48,7 +48,8 @@ impl March<'_> {
     /// Where the grip stands in a guess: with the actuator, or behind a load train where the guess itself has the
     /// clamped faces. Elsewhere the clamps would tear at the elements beside them.
     fn grip_of(&self, u: &[f64], actuator: f64) -> f64 {
-        let rigid = take_up(self.problem, &self.local.takeup, actuator).0;
+        let (old, mut scratch) = (&self.state.history.train, self.state.history.train.clone());
+        let rigid = take_up(self.problem, &self.local.takeup, (actuator, None), old, &mut scratch).0;
         if self.problem.train.is_empty() {
             return rigid;
         }
@@ -96,7 +97,9 @@ impl March<'_> {
             &self.state.history.train,
             &mut scratch,
         );
-        let (_, s_slope) = take_up(self.problem, &self.local.takeup, state.actuator);
+        let old = &self.state.history.train;
+        let at = (state.actuator, None);
+        let (_, s_slope) = take_up(self.problem, &self.local.takeup, at, old, &mut scratch);
         border.stiffness * s_slope / (1.0 + e_slope * border.stiffness)
     }
 

@@ -98,17 +98,17 @@ fn differentiate(
     if m.columns.is_empty() {
         return Ok((StepDerivatives::default(), Vec::new()));
     }
-    let n = m.system.unknowns;
+    let (n, from) = (m.system.unknowns, m.state.actuator);
     let mut rhs = Vec::new();
     {
-        let stage = Stage { system: m.system, state: fresh, ctx, arc };
+        let stage = Stage { system: m.system, state: fresh, ctx, arc, from };
         for c in m.columns.iter_mut() {
             c.partial(&stage, &mut rhs);
         }
     }
     let count: usize = m.columns.iter().map(|c| c.count()).sum();
     m.system.factor.solve(&mut rhs, count)?;
-    let stage = Stage { system: m.system, state: fresh, ctx, arc };
+    let stage = Stage { system: m.system, state: fresh, ctx, arc, from };
     let mut all = StepDerivatives::default();
     let mut gradient = vec![0.0_f32; if m.options.keep_gradients { count * fresh.u.len() } else { 0 }];
     let mut at = 0;

@@ -4,7 +4,7 @@ use super::March;
 use crate::state::State;
 
 /// Where a run stood.
-pub(super) struct Mark {
+pub(crate) struct Mark {
     state: State,
     steps: usize,
     states: usize,
@@ -15,7 +15,7 @@ pub(super) struct Mark {
 
 impl March<'_> {
     /// Remembers this point of the run.
-    pub(super) fn mark(&mut self) -> Mark {
+    pub(crate) fn mark(&mut self) -> Mark {
         for c in &mut self.columns {
             c.save();
         }
@@ -30,7 +30,7 @@ impl March<'_> {
     }
 
     /// Goes back to a point of the run; what it cost stays counted.
-    pub(super) fn back_to(&mut self, mark: Mark) {
+    pub(crate) fn back_to(&mut self, mark: Mark) {
         for c in &mut self.columns {
             c.restore();
         }

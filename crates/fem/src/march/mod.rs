@@ -42,7 +42,7 @@ pub(crate) struct March<'a> {
     reusable: bool,
     recent: Vec<Recent>,
     /// Cuts have not helped so far: Newton gets more iterations.
-    stubborn: bool,
+    pub stubborn: bool,
     train_energy: f64,
     /// What the walks along the path are measured by.
     measure: Measure,

@@ -4,6 +4,7 @@
 //! nowhere, the opening of the zone that softens ([`Measure`]). As a rig, the actuator stands still while the tear
 //! jumps: the path between the two equilibria is followed only to find the second one and the energy set free.
 
+mod follow;
 mod measure;
 mod walk;
 
@@ -12,11 +13,9 @@ use crate::error::FemError;
 use crate::march::{Jump, March, fresh_commit};
 use crate::opening;
 use crate::state::State;
+pub(crate) use follow::follow;
 pub(crate) use measure::Measure;
 use walk::Walk;
-
-/// Steps before a path is given up.
-const MOST_STEPS: usize = 4000;
 
 /// A jump is followed for its end, not for its shape: steps this many times longer than those of a traced path.
 const BOLD: f64 = 2.0;
@@ -37,37 +36,6 @@ pub(crate) fn limit_ahead(m: &mut March, step: f64) -> bool {
         && step * m.state.actuator > 0.0
         && Walk::start(m, Measure::Arc, step.signum(), step.abs(), 1.0)
             .is_ok_and(|walk| walk.tangent[0].abs() < STEEP)
-}
-
-/// `control = "path"`: follows the path until the actuator first reaches `to`, every step reported,
-/// then stands exactly there.
-pub(crate) fn follow(m: &mut March, to: f64, dt: f64, target: usize) -> Result<(), FemError> {
-    let start = m.state.actuator;
-    let direction = (to - start).signum();
-    let rate = (to - start).abs() / dt.max(1e-12);
-    if m.problem.path.is_none() {
-        return Err(FemError::Setup("path control needs a tear path".into()));
-    }
-    let mut walk = Walk::start(m, Measure::Arc, direction, m.options.arc_step, rate)?;
-    for _ in 0..MOST_STEPS {
-        let ahead = (to - m.state.actuator) * direction;
-        if walk.tangent[0] * direction * walk.length >= ahead && walk.tangent[0] * direction > 0.0 {
-            let mut fresh = m.state.clone();
-            let dt = ahead.abs() / rate;
-            if let Ok(mut c) = m.newton(m.context(dt), Control::Actuator(to), &mut fresh) {
-                let border = c.border(m.system, m.problem.multiplicity)?;
-                let time = m.state.time + dt;
-                return fresh_commit(m, fresh, time, dt, Some(target), c.iterations, None, &border);
-            }
-            walk.length *= 0.5;
-        }
-        walk.step(m, None)?;
-    }
-    Err(FemError::NoConvergence {
-        displacement: m.state.actuator,
-        step: walk.length,
-        reason: format!("the path did not reach {to} mm in {MOST_STEPS} steps"),
-    })
 }
 
 /// A jump at a limit point: follows the path from the last state until it comes back to the same

@@ -1,6 +1,7 @@
 //! Steps along the equilibrium path, one after the other.
 
 use super::measure::Measure;
+use crate::energy;
 use crate::equilibrium::{Border, Control, take_up, train_elongation};
 use crate::error::FemError;
 use crate::march::{Along, March, fresh_commit};
@@ -18,15 +19,36 @@ fn rates(m: &March, border: &Border, state: &State) -> [f64; 2] {
         &m.state.history.train,
         &mut scratch,
     );
-    let (_, s_slope) = take_up(m.problem, &m.local.takeup, state.actuator);
+    let old = &m.state.history.train;
+    let at = (state.actuator, Some(m.state.actuator));
+    let (_, s_slope) = take_up(m.problem, &m.local.takeup, at, old, &mut scratch);
     let du_a = (1.0 + e_slope * border.stiffness) / s_slope;
     let dw: f64 = m.system.opening.iter().map(|&(eq, w)| w * border.response[eq]).sum();
     [du_a, dw]
 }
 
+/// Share of the work that a step back must leave in the tear, or it is elastic unloading.
+const GROWS: f64 = 1e-6;
+
+/// How many times further than the longest step the actuator may go in one.
+const TOO_FAR: f64 = 1.5;
+
+/// Cuts of a followed path's step after which Newton gets more iterations instead of shorter steps alone.
+const PATIENT: usize = 3;
+
+/// A path followed for its own sake.
+#[derive(Clone, Copy)]
+struct Following {
+    /// Sense in which the actuator was told to go.
+    direction: f64,
+    /// Longest step in actuator displacement, mm.
+    step: f64,
+}
+
 /// A path in progress.
+#[derive(Clone)]
 pub(super) struct Walk {
-    measure: Measure,
+    pub(super) measure: Measure,
     pub(super) tangent: [f64; 2],
     pub(super) length: f64,
     pub(super) smallest: f64,
@@ -34,6 +56,7 @@ pub(super) struct Walk {
     rate: f64,
     /// Previous state, its grip and actuator, and the arc between it and the present one.
     before: Option<(Guess, f64, f64, f64)>,
+    following: Option<Following>,
 }
 
 impl Walk {
@@ -67,7 +90,44 @@ impl Walk {
         if length <= 0.0 || !t[0].is_finite() {
             return Err(FemError::Singular);
         }
-        Ok(Self { measure, tangent: t, length, smallest: length * 1e-4, largest: length, rate, before: None })
+        let (smallest, largest) = (length * 1e-4, length);
+        Ok(Self { measure, tangent: t, length, smallest, largest, rate, before: None, following: None })
+    }
+
+    /// Every step is an answer: none longer than `step` mm of actuator displacement, none back along the way come.
+    pub(super) fn following(mut self, direction: f64, step: f64) -> Self {
+        self.following = Some(Following { direction, step });
+        (self.smallest, self.largest) = (1e-4 * step.min(self.length), step);
+        self
+    }
+
+    /// Arc of the last step.
+    pub(super) fn taken(&self) -> f64 {
+        self.before.as_ref().map_or(self.length, |b| b.3)
+    }
+
+    /// Refuses a step that goes back although nothing tears (the way just come), or further than asked for (onto another
+    /// branch).
+    fn refuse_return(&self, m: &March, fresh: &State, dt: f64) -> Result<(), FemError> {
+        let Some(Following { direction, step }) = self.following else { return Ok(()) };
+        let moved = fresh.actuator - m.state.actuator;
+        let refused = |reason: &str| FemError::NoConvergence {
+            displacement: m.state.actuator,
+            step: self.length,
+            reason: reason.into(),
+        };
+        if moved.abs() > TOO_FAR * step && self.length > self.smallest {
+            return Err(refused("a step along the path went too far"));
+        }
+        if moved * direction >= 0.0 {
+            return Ok(());
+        }
+        let lost = |s: &State| energy::of_path(m.problem, &m.local, &m.context(dt), &m.state.history, s);
+        let work = 0.5 * (m.state.force + fresh.force) * moved;
+        if lost(fresh).dissipated - lost(&m.state).dissipated > GROWS * work.abs() {
+            return Ok(());
+        }
+        Err(refused("the path leads back the way it came"))
     }
 
     /// The opening measured from a state on, and the tangent by it; `next` is that by the present one.
@@ -83,6 +143,7 @@ impl Walk {
 
     /// One accepted step along the path.
     pub(super) fn step(&mut self, m: &mut March, target: Option<usize>) -> Result<(), FemError> {
+        let mut cuts = 0;
         loop {
             let w = m.opening(&m.state.u);
             let held = self.measure.held(self.tangent);
@@ -98,6 +159,7 @@ impl Walk {
             }
             let dt = self.length / self.rate;
             let attempt = m.newton(m.context(dt), control, &mut fresh).and_then(|mut c| {
+                self.refuse_return(m, &fresh, dt)?;
                 let border = c.border(m.system, m.problem.multiplicity)?;
                 let next = self.measure.tangent(rates(m, &border, &fresh));
                 let next = self.measure.onward(next, self.tangent, self.length <= self.smallest)?;
@@ -116,6 +178,8 @@ impl Walk {
                     if c.iterations <= 4 {
                         self.length = (1.5 * self.length).min(self.largest);
                     }
+                    self.keep_short();
+                    self.patience(m, 0);
                     return Ok(());
                 }
                 Err(e @ FemError::Setup(_)) => return Err(e),
@@ -123,10 +187,29 @@ impl Walk {
                     self.length *= 0.5;
                     self.before = None;
                     if self.length < self.smallest {
+                        self.patience(m, 0);
                         return Err(e);
                     }
+                    cuts += 1;
+                    self.patience(m, cuts);
                 }
             }
+        }
+    }
+
+    /// After many cuts of a followed path's step Newton gets more iterations; a jump's are the march's own matter.
+    fn patience(&self, m: &mut March, cuts: usize) {
+        if self.following.is_some() {
+            m.stubborn = cuts > PATIENT;
+        }
+    }
+
+    /// A followed path shows its shape: the next step moves the actuator no further than asked for.
+    fn keep_short(&mut self) {
+        if let (Some(following), Measure::Softening) = (self.following, self.measure) {
+            let most = following.step / self.tangent[0].abs().max(1.0);
+            self.length = self.length.min(most);
+            self.smallest = self.smallest.min(1e-4 * most);
         }
     }
 }

@@ -2,7 +2,6 @@
 
 use super::{Chunk, Stage};
 use crate::equilibrium::Border;
-use crate::problem::Problem;
 use crate::system::NONE;
 use constitutive::{Jet, Law, PointLaw};
 
@@ -65,9 +64,12 @@ where
             .1[0][0];
             at += nh;
         }
-        let s_jet = self.problem.take_up_jets(Jet::constant(stage.state.actuator), &self.local.takeup);
-        let (_, s_slope) =
-            crate::equilibrium::take_up(&self.problem, &self.plain.takeup, stage.state.actuator);
+        let at_rest = Jet::constant(stage.state.actuator);
+        let (train, mut after) = (&self.train, self.train.clone());
+        let s_jet = self.problem.take_up(at_rest, stage.path_from(), &self.local.takeup, train, &mut after);
+        let (old, takeup): (Vec<f64>, _) = (self.train.iter().map(|h| h.re).collect(), &self.plain.takeup);
+        let at = (stage.state.actuator, stage.path_from());
+        let (_, s_slope) = crate::equilibrium::take_up(&self.problem, takeup, at, &old, &mut old.clone());
         let (mut d_grip, mut d_act, mut d_force) = ([0.0; W], [0.0; W], [0.0; W]);
         let opening = |x: &[f64]| -> f64 { stage.system.opening.iter().map(|&(eq, w)| w * x[eq]).sum() };
         for c in 0..self.seeds.len() {
@@ -106,15 +108,7 @@ where
             );
             at += nh;
         }
-    }
-}
-
-impl Problem {
-    /// Take-up over jets.
-    fn take_up_jets<const W: usize>(&self, actuator: Jet<W>, params: &[Vec<Jet<W>>]) -> Jet<W>
-    where
-        dyn PointLaw<1>: Law<Jet<W>, 1>,
-    {
-        self.take_up(actuator, params)
+        let (old, at_rest) = (self.train.clone(), Jet::constant(stage.state.actuator));
+        self.problem.take_up(at_rest, stage.path_from(), &self.local.takeup, &old, &mut self.train);
     }
 }

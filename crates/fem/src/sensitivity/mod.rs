@@ -31,6 +31,15 @@ pub struct Stage<'a> {
     pub ctx: Context,
     /// What the step held fixed: (t_u, t_w) of a path step, `None` for a standing actuator.
     pub arc: Option<[f64; 2]>,
+    /// Where the actuator stood before the step, mm.
+    pub from: f64,
+}
+
+impl Stage<'_> {
+    /// Where the actuator stood before a step along a followed path.
+    fn path_from(&self) -> Option<f64> {
+        self.arc.map(|_| self.from)
+    }
 }
 
 /// Derivatives of one step, per column.

@@ -136,6 +136,34 @@ impl Describe<1> for Slip {
     }
 }
 
+/// Play: the old position held between u and u + b, taken up in the sense of loading. Parameter: b.
+pub struct Play;
+
+impl<S: Scalar> Law<S, 1> for Play {
+    fn respond(&self, _: &Context, u: &[S; 1], p: &[S], old: &[S], new: &mut [S]) -> Response<S, 1> {
+        new[0] = old[0].max_of(u[0]);
+        if new[0].value() > (u[0] + p[0]).value() {
+            new[0] = u[0] + p[0];
+        }
+        Response { force: [new[0]], energy: S::zero() }
+    }
+}
+
+impl Describe<1> for Play {
+    fn parameters(&self) -> Vec<ParamSpec> {
+        vec![parameter("b")]
+    }
+    fn history(&self) -> Vec<HistorySpec> {
+        vec![HistorySpec { name: "grip".into(), initial: 0.0 }]
+    }
+    fn rate_dependent(&self) -> bool {
+        false
+    }
+    fn energies(&self, _: &Context, _: &[f64; 1], _: &[f64], _: &[f64], _: &[f64]) -> Energy {
+        Energy::default()
+    }
+}
+
 /// Slack that is taken up: s(u) = u − a (1 − exp(−u/b)). Parameters: a, b (a < b).
 pub struct Slack;
 

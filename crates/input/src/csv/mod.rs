@@ -6,6 +6,7 @@
 mod columns;
 mod profile;
 mod record;
+mod sanity;
 
 pub(crate) use profile::read_rows;
 pub(crate) use record::read_record;

@@ -22,6 +22,7 @@ pub(crate) fn read_rows<const N: usize>(
         _ => "a thickness profile, a CSV file with the header `y_mm,thickness_mm`",
     };
     let file = load(path, what)?;
+    sink.was_read(&file);
     let mut faults = Faults::new(&file, sink);
     let known: Vec<Column> =
         names(N)[..N].iter().map(|&name| Column { name, quantity: Length, required: true }).collect();

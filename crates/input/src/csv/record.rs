@@ -1,6 +1,7 @@
 //! A measured record: `time_s,displacement_mm,force_N`, a segment name and camera channels.
 
 use super::columns::{Column, Found, header, number, right_count};
+use super::sanity::sane;
 use super::{Cell, Faults, cells, lines, load};
 use crate::case::Record;
 use crate::diagnostics::{Diagnostic, Report, Sink};
@@ -28,6 +29,7 @@ const COLUMNS: [Column; 7] = [
 /// Reads a record. Faults go to the sink; `None` if there were any.
 pub(crate) fn read_record(path: &Path, sink: &Sink) -> Result<Option<Record>, Box<Diagnostic>> {
     let file = load(path, WHAT)?;
+    sink.was_read(&file);
     let mut faults = Faults::new(&file, sink);
     let record = rows(&file, &mut faults);
     if faults.finish() {
@@ -148,7 +150,7 @@ fn encoder_noise(u: &[f64]) -> f64 {
 fn plausible(file: &SourceFile, sink: &Sink, record: &Record) -> bool {
     let u = &record.displacement;
     let (low, high) = u.iter().fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
-    let mut good = true;
+    let mut good = sane(file, sink, record);
     if high <= low {
         let report = Report::error(format!(
             "displacement is {} mm in every row; expected a test that moves",

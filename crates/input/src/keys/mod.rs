@@ -39,7 +39,9 @@ impl Limits {
     /// `x` if it is inside, pulled onto a limit if it is outside by no more than rounding.
     pub(crate) fn admit(&self, x: f64) -> Option<f64> {
         let slack = 1e-12 * self.lower.abs().max(self.upper.abs()).min(1.0);
-        let low = if self.above { x > self.lower } else { x >= self.lower - slack };
+        // A least value above 0 is not rounded to by 0 itself.
+        let below = if self.lower > 0.0 { 1e-12 * self.lower } else { slack };
+        let low = if self.above { x > self.lower } else { x >= self.lower - below };
         let high =
             if self.below { x < self.upper } else { x <= self.upper + slack.max(1e-12 * self.upper.abs()) };
         (low && high).then(|| x.max(self.lower).min(self.upper))

@@ -63,8 +63,14 @@ pub(super) fn word(word: &'static str) -> Fallback {
 
 /// Lengths beyond this are a unit mistake, not a specimen; mm.
 pub(super) const LONGEST: f64 = 1e4;
+/// Lengths below this, a hundredth of a cell, are one too; mm.
+pub(super) const SHORTEST: f64 = 1e-4;
 /// Times beyond this are a unit mistake; s.
 pub(super) const FOREVER: f64 = 1e9;
+/// Times below this are one too; s.
+pub(super) const INSTANT: f64 = 1e-6;
+/// Stresses of no solid, MPa: a thousandth of a pascal.
+const FAINT: f64 = 1e-9;
 
 pub(super) fn build() -> Vec<Key> {
     let mut b = Builder { section: "", keys: Vec::new() };
@@ -76,7 +82,7 @@ pub(super) fn build() -> Vec<Key> {
 }
 
 fn model(b: &mut Builder) {
-    let size = || number(Length, Limits::positive(1e3));
+    let size = || number(Length, Limits::within(SHORTEST, 1e3));
     b.section("mesh")
         .key("divisions", Kind::Divisions, absent("graded by the sizes below"), "hex8 along x, y, z, uniform")
         .key("bulk_size", size(), Fallback::Number(0.4), "element size away from the tear path")
@@ -96,7 +102,7 @@ fn model(b: &mut Builder) {
     b.section("bulk")
         .key(
             "mu",
-            parameter(Stress, Limits::positive(1e6)),
+            parameter(Stress, Limits::within(FAINT, 1e6)),
             absent("the parameter's own start"),
             "shear modulus μ of the matrix",
         )
@@ -126,13 +132,13 @@ fn model(b: &mut Builder) {
         )
         .key(
             "bulk_modulus",
-            held(Stress, Limits::positive(1e7)),
+            held(Stress, Limits::within(FAINT, 1e7)),
             Fallback::Number(20.0),
             "initial bulk modulus 2/D; fixed unless freed",
         )
         .key(
             "d",
-            held(InverseStress, Limits::positive(1e6)),
+            held(InverseStress, Limits::within(2e-7, 2.0 / FAINT)),
             Fallback::Number(0.1),
             "the paper's D, instead of bulk_modulus; fixed unless freed",
         )
@@ -153,13 +159,13 @@ fn model(b: &mut Builder) {
         )
         .key(
             "gc",
-            per_area(FractureEnergy, Limits::positive(1e5)),
+            per_area(FractureEnergy, Limits::within(1e-9, 1e5)),
             absent("the parameter's own start"),
             "fracture energy Gc: one value, or a list with one per area",
         )
         .key(
             "sigma_c",
-            per_area(Stress, Limits::positive(1e6)),
+            per_area(Stress, Limits::within(FAINT, 1e6)),
             absent("the parameter's own start"),
             "strength σc: one value, or a list with one per area",
         )
@@ -171,14 +177,14 @@ fn model(b: &mut Builder) {
         )
         .key(
             "penalty",
-            held(InterfaceStiffness, Limits::positive(1e9)),
+            held(InterfaceStiffness, Limits::within(FAINT, 1e9)),
             Fallback::Number(10.0),
             "stiffness K against interpenetration; fixed unless freed",
         );
 }
 
 fn run(b: &mut Builder) {
-    let share = |upper| number(Dimensionless, Limits::positive(upper));
+    let share = |lower, upper| number(Dimensionless, Limits::within(lower, upper));
     let seed = || integer(0, i64::MAX);
     b.section("identify")
         .key(
@@ -189,7 +195,7 @@ fn run(b: &mut Builder) {
         )
         .key(
             "tolerance",
-            share(0.1),
+            share(1e-15, 0.1),
             Fallback::Number(1e-6),
             "stop when the objective changes by less, relative",
         )
@@ -216,7 +222,7 @@ fn run(b: &mut Builder) {
     b.section("solver")
         .key(
             "step",
-            number(Length, Limits::positive(1e3)),
+            number(Length, Limits::within(1e-9, 1e3)),
             absent("chosen by the program"),
             "travel between answers; with control = \"path\": arc length",
         )
@@ -228,7 +234,7 @@ fn run(b: &mut Builder) {
         )
         .key(
             "tolerance",
-            share(0.01),
+            share(1e-13, 0.01),
             Fallback::Number(1e-9),
             "relative residual at which a step has converged",
         )

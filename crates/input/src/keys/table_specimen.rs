@@ -1,6 +1,6 @@
 //! The table, first part: what was tested and measured.
 
-use super::table::{Builder, FOREVER, LONGEST, absent, choice, number, word};
+use super::table::{Builder, FOREVER, INSTANT, LONGEST, SHORTEST, absent, choice, number, word};
 use super::{Fallback, Kind, Limits};
 use params::Quantity::*;
 
@@ -37,12 +37,22 @@ pub(super) fn specimen(b: &mut Builder) {
     b.section("geometry")
         .key(
             "length",
-            number(Length, Limits::positive(LONGEST)),
+            number(Length, Limits::within(SHORTEST, LONGEST)),
             Fallback::Required,
             "length along the load y between the clamps",
         )
-        .key("width", number(Length, Limits::positive(LONGEST)), Fallback::Required, "width along the tear x")
-        .key("thickness", number(Length, Limits::positive(LONGEST)), Fallback::Required, "thickness along z")
+        .key(
+            "width",
+            number(Length, Limits::within(SHORTEST, LONGEST)),
+            Fallback::Required,
+            "width along the tear x",
+        )
+        .key(
+            "thickness",
+            number(Length, Limits::within(SHORTEST, LONGEST)),
+            Fallback::Required,
+            "thickness along z",
+        )
         .key(
             "cut",
             number(Length, Limits::within(0.0, LONGEST)),
@@ -51,7 +61,7 @@ pub(super) fn specimen(b: &mut Builder) {
         )
         .key(
             "path_y",
-            number(Length, Limits::positive(LONGEST)),
+            number(Length, Limits::within(SHORTEST, LONGEST)),
             absent("length/2"),
             "height y of the tear path",
         )
@@ -70,7 +80,7 @@ pub(super) fn specimen(b: &mut Builder) {
 }
 
 pub(super) fn tests(b: &mut Builder) {
-    let sd = |quantity| number(quantity, Limits::positive(1e9));
+    let sd = |quantity| number(quantity, Limits::within(1e-12, 1e9));
     b.section("tests")
         .key(
             "name",
@@ -147,7 +157,7 @@ pub(super) fn tests(b: &mut Builder) {
         )
         .key(
             "tear_front_opening",
-            number(Length, Limits::positive(LONGEST)),
+            number(Length, Limits::within(SHORTEST, LONGEST)),
             absent("δc"),
             "opening from which the camera counts a point as torn",
         );
@@ -160,13 +170,13 @@ pub(super) fn tests(b: &mut Builder) {
         )
         .key(
             "rate",
-            number(Speed, Limits::positive(1e6)),
+            number(Speed, Limits::within(1e-9, 1e6)),
             absent("`hold_s` is needed"),
             "speed of a ramp, positive in either direction",
         )
         .key(
             "hold",
-            number(Time, Limits::positive(FOREVER)),
+            number(Time, Limits::within(INSTANT, FOREVER)),
             absent("`to_mm` and `rate_mm_per_s` are needed"),
             "duration of a hold",
         );

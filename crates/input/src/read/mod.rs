@@ -2,6 +2,7 @@
 
 mod effects;
 mod model;
+mod noise;
 mod parameter;
 mod priors;
 mod run;
@@ -24,7 +25,7 @@ use toml::Spanned;
 use toml::de::DeTable;
 
 /// Largest TOML file, bytes.
-const LIMIT: u64 = 10_000_000;
+pub const LARGEST_TOML: u64 = 10_000_000;
 /// What a specimen file may hold when a config points to it.
 const SPECIMEN_KEYS: [&str; 4] = ["name", "provenance", "geometry", "tests"];
 
@@ -35,10 +36,10 @@ const SPECIMEN_KEYS: [&str; 4] = ["name", "provenance", "geometry", "tests"];
 pub fn read_case(path: &Path, registry: &dyn EffectRegistry) -> Result<Case, Diagnostics> {
     let sink = Sink::default();
     let case = read(path, registry, &sink);
-    let failed = sink.has_errors();
+    let (failed, inputs) = (sink.has_errors(), sink.files());
     let found = sink.into_sorted();
     match case {
-        Some(case) if !failed => Ok(Case { warnings: found, ..case }),
+        Some(case) if !failed => Ok(Case { warnings: found, inputs, ..case }),
         _ => Err(Diagnostics(found)),
     }
 }
@@ -65,7 +66,11 @@ fn read(path: &Path, registry: &dyn EffectRegistry, sink: &Sink) -> Option<Case>
     Some(Case {
         name: own_name.or(name).unwrap_or_else(|| stem(path)),
         provenance: top.text("provenance").map(str::to_owned).or(provenance).unwrap_or_default(),
-        parent: top.text("parent").map(str::to_owned),
+        parent: top.text("parent").map(|given| {
+            // Relative to the file, as every path in it.
+            let place = crate::case::absolute(&specimen::resolve(context, given));
+            place.to_string_lossy().into_owned()
+        }),
         specimen_file: specimen_file.filter(|f| !is_config || f != path),
         config_file: is_config.then(|| path.to_owned()),
         mesh: model::mesh(&top, &geometry),
@@ -78,6 +83,7 @@ fn read(path: &Path, registry: &dyn EffectRegistry, sink: &Sink) -> Option<Case>
         geometry,
         tests,
         warnings: Vec::new(),
+        inputs: Vec::new(),
     })
 }
 
@@ -128,13 +134,14 @@ fn pointed(top: &Section<'_>) -> Option<Option<(Measured, PathBuf)>> {
     }
     let Some(given) = top.text("specimen") else { return Some(None) };
     let path = specimen::resolve(context, given);
-    let file = match SourceFile::read(&path, LIMIT, "a specimen file (TOML)") {
+    let file = match SourceFile::read(&path, LARGEST_TOML, "a specimen file (TOML)") {
         Ok(file) => file,
         Err(diagnostic) => {
             specimen::linked(top, "specimen", *diagnostic);
             return Some(None);
         }
     };
+    context.sink.was_read(&file);
     let Some(document) = parse(&file, context.sink) else { return Some(None) };
     let inner = Context { file: &file, sink: context.sink };
     let section = Section::open(inner, "the specimen file", 0..0, document.get_ref(), keys::of(""));
@@ -165,12 +172,15 @@ fn stem(path: &Path) -> String {
 
 /// The text of a TOML file, or `None` and an error.
 fn load(path: &Path, what: &str, sink: &Sink) -> Option<SourceFile> {
-    match SourceFile::read(path, LIMIT, what) {
+    match SourceFile::read(path, LARGEST_TOML, what) {
         Ok(file) if file.is_blank() => {
             sink.push(Report::error(format!("the file is empty; expected {what}")).about(path));
             None
         }
-        Ok(file) => Some(file),
+        Ok(file) => {
+            sink.was_read(&file);
+            Some(file)
+        }
         Err(diagnostic) => {
             sink.push(with_directory_help(path, *diagnostic));
             None

@@ -91,7 +91,9 @@ fn value(context: Context<'_>, rule: &Rule<'_>, item: &Item<'_>) -> Value {
     let title = format!("`{}`", short(rule.written));
     let (keys, mut out) = (keys(), Value::default());
     let speller = Speller::new(&title, &keys);
-    let bounds = Limits { above: false, below: false, ..rule.limits };
+    // Beyond a bound there must be something left.
+    let least = Limits { above: false, below: true, ..rule.limits };
+    let most = Limits { above: true, below: false, ..rule.limits };
     for (key, item) in table {
         let written = key.get_ref().as_ref();
         let number = |limits: &Limits| {
@@ -104,8 +106,12 @@ fn value(context: Context<'_>, rule: &Rule<'_>, item: &Item<'_>) -> Value {
                 scalar::clash(context, written, key.span(), message);
             }
             Match::Known(0 | 1, _) => out.value = number(&rule.limits),
-            Match::Known(2, _) => out.min = number(&bounds),
-            Match::Known(3, _) => out.max = number(&bounds),
+            // A least value of 0 is none to a value that is positive.
+            Match::Known(2, _) if rule.limits.lower >= 0.0 && scalar::as_number(item) == Some(0.0) => {
+                out.min = Some(0.0);
+            }
+            Match::Known(2, _) => out.min = number(&least),
+            Match::Known(3, _) => out.max = number(&most),
             Match::Known(..) => out.fixed = scalar::flag(context, written, item),
         }
     }

@@ -39,7 +39,7 @@ pub(crate) fn wrong_type(context: Context<'_>, written: &str, item: &Item<'_>, e
 }
 
 /// The number behind an integer or a float, if it is one; not necessarily finite.
-fn as_number(item: &Item<'_>) -> Option<f64> {
+pub(crate) fn as_number(item: &Item<'_>) -> Option<f64> {
     match item.get_ref() {
         DeValue::Integer(i) => {
             let digits = i.as_str();

@@ -1,5 +1,6 @@
 //! `[[tests]]`
 
+use super::noise::check_noise;
 use super::scalar;
 use super::section::{Context, Section};
 use super::specimen::{checked_name, linked, resolve};
@@ -10,6 +11,8 @@ use crate::keys::{self, plain};
 use std::ops::Range;
 use toml::de::DeValue;
 
+/// Least way of a ramp, mm.
+const LEAST_WAY: f64 = 1e-6;
 /// Most tests of one piece.
 const MOST: usize = 1000;
 
@@ -71,6 +74,7 @@ fn test(s: &Section<'_>, geometry: &Geometry) -> Test {
     }
     if let Some(record) = &test.record {
         check_channels(s, &test, record, geometry);
+        check_noise(s, &test, record);
     }
     test
 }
@@ -138,10 +142,11 @@ fn leg(s: &Section<'_>, at: &mut Option<f64>) -> Option<Leg> {
             let (to, rate) = (s.optional_number("to"), s.optional_number("rate"));
             let from = std::mem::replace(at, to);
             if let (Some(from), Some(to)) = (from, to)
-                && from == to
+                && (to - from).abs() < LEAST_WAY
             {
+                let end = if from == to { "ends where it begins" } else { "ends next to where it begins" };
                 return fault(format!(
-                    "{} ends where it begins, at {} mm; expected some travel, or a hold",
+                    "{} {end}, at {} mm; expected some travel, or a hold",
                     s.title,
                     plain(to)
                 ));

@@ -88,6 +88,17 @@ impl Builder {
         Ok(builder)
     }
 
+    /// Whether half the height is enough: no effect that takes part breaks the mirror.
+    pub(super) fn half_height(&self, how: Discretisation) -> bool {
+        let whole = |a: &Active| !a.idle && a.effect.card().breaks_half_height;
+        how.neutral_halves || !self.active.iter().any(whole)
+    }
+
+    /// Entries of the bulk's history at a point.
+    pub(super) fn bulk_history(&self) -> usize {
+        self.bulk.history().len()
+    }
+
     /// Effects in the order of their rank, so that the file's order cannot matter.
     fn add_effects(
         &mut self,
@@ -143,10 +154,9 @@ impl Builder {
         half_height: bool,
         how: Discretisation,
     ) -> Result<TestModel, BuildError> {
-        let strip = strip_of(case, test, half_height, how)
-            .map_err(|source| BuildError::Mesh { test: test.name.clone(), source })?;
-        let mesh =
-            mesh::strip(&strip).map_err(|source| BuildError::Mesh { test: test.name.clone(), source })?;
+        let mesh = strip_of(case, test, half_height, how)
+            .and_then(|strip| mesh::strip(&strip))
+            .map_err(|source| BuildError::mesh(case, &test.name, source))?;
         let body = Arc::new(Body::of(&mesh));
         let supports = supports(&mesh, test)?;
         let multiplicity =
@@ -228,10 +238,22 @@ fn between(at: f64, m: usize) -> (usize, usize, f64) {
     (a, (a + 1).min(m - 1), s - a as f64)
 }
 
+/// How far a search may go where the file gives the bound of one side, and the law's other bound lies on the wrong side of it.
+const BEYOND: f64 = 1e3;
+
 /// A parameter with what the file says about it.
 fn parameter(path: String, mut spec: ParamSpec, value: &Value) -> Parameter {
-    spec.lower = value.min.unwrap_or(spec.lower);
-    spec.upper = value.max.unwrap_or(spec.upper);
+    let (lower, upper) = (spec.lower, spec.upper);
+    spec.lower = value.min.unwrap_or(lower);
+    spec.upper = value.max.unwrap_or(upper);
+    // A bound of the file that lies beyond the law's other end takes that end along.
+    if spec.lower >= spec.upper {
+        match (value.min, value.max) {
+            (None, Some(max)) => spec.lower = max / BEYOND,
+            (Some(min), None) => spec.upper = min * BEYOND,
+            _ => {}
+        }
+    }
     // k2 = 0, κ = 0, γ = 90°: the user chose a limit of the law; a search over orders of magnitude cannot start there.
     let held_at_limit =
         value.fixed.is_none() && !spec.fixed && value.value.is_some_and(|v| spec.transform.is_limit(v));

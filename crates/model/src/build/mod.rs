@@ -1,9 +1,11 @@
 //! From a case to models of its tests: meshes, supports, laws, parameters.
 
 mod builder;
+mod place;
 mod supports;
 mod test_model;
 
+pub(crate) use place::at_key;
 pub use test_model::TestModel;
 
 use crate::effect::{Catalogue, Effect, Site};
@@ -17,8 +19,10 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum BuildError {
     /// The mesh.
-    #[error("test {test}: {source}")]
+    #[error("{place}test {test}: {source}")]
     Mesh {
+        /// Where the key stands that it is about, as `file:line:column: error: `; empty for a case that no file gave.
+        place: String,
         /// Test.
         test: String,
         /// What the mesher says.
@@ -32,6 +36,9 @@ pub enum BuildError {
         /// What is wrong.
         source: fem::FemError,
     },
+    /// What fits into no memory and no time, or more areas than elements; with its place.
+    #[error("{0}")]
+    TooLarge(String),
     /// An effect that is not in the catalogue.
     #[error("unknown effect `{0}`")]
     UnknownEffect(String),
@@ -82,6 +89,38 @@ impl Default for Discretisation {
     }
 }
 
+/// What is known of a model before it is meshed.
+pub(crate) struct Outlook {
+    /// Size of each test's mesh.
+    pub counts: Vec<mesh::Count>,
+    /// Free parameters.
+    pub free: usize,
+    /// Entries of the bulk's history at a point.
+    pub bulk_history: usize,
+}
+
+/// Looks ahead to a model without meshing it.
+///
+/// # Errors
+/// [`BuildError`] naming the test.
+pub(crate) fn outlook(
+    case: &Arc<Case>,
+    catalogue: &Catalogue,
+    how: Discretisation,
+) -> Result<Outlook, BuildError> {
+    let builder = Builder::new(case, catalogue, how.idle_neutral)?;
+    let half_height = builder.half_height(how);
+    let count = |test: &input::Test| {
+        let strip = supports::strip_of(case, test, half_height, how);
+        strip.and_then(|s| mesh::count(&s)).map_err(|source| BuildError::mesh(case, &test.name, source))
+    };
+    Ok(Outlook {
+        counts: case.tests.iter().map(count).collect::<Result<_, _>>()?,
+        free: builder.parameters.iter().filter(|p| p.free).count(),
+        bulk_history: builder.bulk_history(),
+    })
+}
+
 impl Model {
     /// Builds the models of all tests of a case.
     ///
@@ -89,8 +128,7 @@ impl Model {
     /// [`BuildError`] naming the test.
     pub fn new(case: Arc<Case>, catalogue: &Catalogue, how: Discretisation) -> Result<Self, BuildError> {
         let mut builder = Builder::new(&case, catalogue, how.idle_neutral)?;
-        let whole = |a: &Active| !a.idle && a.effect.card().breaks_half_height;
-        let half_height = how.neutral_halves || !builder.active.iter().any(whole);
+        let half_height = builder.half_height(how);
         let tests = case
             .tests
             .iter()

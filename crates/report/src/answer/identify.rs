@@ -87,6 +87,10 @@ pub struct ParameterAnswer {
     /// Published value, where there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub published: Option<f64>,
+    /// Whether `published` is a mean over the area's part of the path, where others had another number of areas: shown,
+    /// not compared.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub published_averaged: bool,
     /// Whether the published value lies in the interval.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub published_in_interval: Option<bool>,
@@ -164,6 +168,30 @@ pub struct PublishedSummary {
     pub compared: usize,
     /// Of these, how many have it in their 95 % interval.
     pub inside: usize,
+    /// Parameters that are shown a mean over their part of the path, since others had another number of areas.
+    #[serde(default)]
+    pub averaged: usize,
+}
+
+impl PublishedSummary {
+    /// How the identified values compare, in sentences.
+    pub(crate) fn words(&self) -> String {
+        let mut words = Vec::new();
+        if self.compared > 0 {
+            words.push(format!(
+                "{} of {} identifiable parameters have the published value in their 95 % interval.",
+                self.inside, self.compared
+            ));
+        }
+        if self.averaged > 0 {
+            words.push(
+                "The published values are of another number of areas: each area here is shown their mean over its part of the \
+                 path (≈), which is not compared with its interval."
+                    .to_owned(),
+            );
+        }
+        words.join(" ")
+    }
 }
 
 impl IdentifyAnswer {
@@ -234,13 +262,15 @@ fn sentence(stages: &[StageEnd]) -> String {
 
 fn parameters(done: &Identified, published: Option<&Published>) -> Vec<ParameterAnswer> {
     let mut out = Vec::new();
+    let areas = done.model.case.interface.areas;
     for (&i, e) in done.free.iter().zip(&done.uncertainty.estimates) {
         if done.model.is_hidden(i) {
             continue;
         }
         let spec = &done.model.parameters[i].spec;
-        let value = published.and_then(|p| p.value(&e.path, spec));
-        let inside = value.map(|v| e.interval_95[0] <= v && v <= e.interval_95[1]);
+        let value = published.and_then(|p| p.value(&e.path, spec, areas));
+        let own = value.filter(|at| !at.averaged).map(|at| at.value);
+        let inside = own.map(|v| e.interval_95[0] <= v && v <= e.interval_95[1]);
         out.push(ParameterAnswer {
             path: e.path.clone(),
             value: e.value,
@@ -249,7 +279,8 @@ fn parameters(done: &Identified, published: Option<&Published>) -> Vec<Parameter
             interval_95: e.interval_95.map(finite),
             at_bound: e.at_bound,
             identifiable: e.identifiable,
-            published: value,
+            published: value.map(|at| at.value),
+            published_averaged: value.is_some_and(|at| at.averaged),
             published_in_interval: inside,
         });
     }
@@ -264,6 +295,7 @@ fn summary(p: &Published, parameters: &[ParameterAnswer]) -> PublishedSummary {
         notes: p.notes.clone(),
         compared: inside.len(),
         inside: inside.iter().filter(|i| **i).count(),
+        averaged: parameters.iter().filter(|p| p.published_averaged).count(),
     }
 }
 

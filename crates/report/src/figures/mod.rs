@@ -4,11 +4,13 @@ mod convergence;
 mod curve;
 mod export;
 mod path;
+mod record;
 mod staircase;
 mod style;
 
 pub(crate) use convergence::shown_parameters;
 pub use export::{ending, export};
+pub use record::{Channels, of_record};
 pub use staircase::figure as staircase;
 
 use crate::answer::IdentifyAnswer;
@@ -48,7 +50,7 @@ pub fn of_run(run: &StoredRun) -> Result<Vec<Figure>, ReportError> {
     let view = View::of(run, &run.path)?;
     let mut out = match view.rungs.get(view.shown) {
         Some(rung) => of_identify(&rung.answer, &rung.curves)?,
-        None => of_curves(&run.curves())?,
+        None => of_curves(&run.curves()?)?,
     };
     let rungs: Vec<(String, f64)> = view.rungs.iter().map(|r| (r.name(), r.rms())).collect();
     out.extend(staircase(&rungs, view.rungs.first().map_or(0.0, Rung::noise))?);
@@ -56,7 +58,9 @@ pub fn of_run(run: &StoredRun) -> Result<Vec<Figure>, ReportError> {
     let names = view.rungs.last().map(|r| r.answer.tests.keys().cloned().collect::<Vec<_>>());
     let names = names.unwrap_or_else(|| tests.into_iter().flat_map(|t| t.keys().cloned()).collect());
     for name in names.iter().map(|n| format!("{n}-S22")) {
-        if let Ok(svg) = std::fs::read_to_string(run.path.join(format!("figures/{name}.svg"))) {
+        let file = format!("figures/{name}.svg");
+        if run.holds(&file) {
+            let svg = run.text(&file)?;
             out.push(Figure { name, caption: String::new(), svg });
         }
     }

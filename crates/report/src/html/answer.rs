@@ -1,11 +1,12 @@
 //! The first screen: is the model good enough, where not, what is missing, how sure, what next.
 
-use super::place::{cameras, places};
+use super::place::{cameras, described, places};
 use super::view::{Rung, View};
-use super::{code, escape, quoted};
+use super::{code, escape};
 use crate::answer::ParameterAnswer;
 use crate::peek::{groups, list, number, rows, text, yes};
-use crate::terminal::{chance, interval, readable_unit, significant};
+use crate::shell::{quoted, quoted_path};
+use crate::terminal::{called as called_words, chance, interval, p_value, readable_unit, significant};
 use serde_json::Value;
 
 /// Segments that are named.
@@ -40,7 +41,7 @@ pub fn section(v: &View) -> String {
     format!("<section id=\"answers\" class=\"answers\">\n{cards}</section>\n")
 }
 
-fn verdict(v: &View) -> &str {
+pub fn verdict(v: &View) -> &str {
     v.diagnosis.as_ref().map_or("", |d| text(d, "verdict"))
 }
 
@@ -76,6 +77,13 @@ fn good_enough(v: &View) -> Card {
         significant(now.rms(), 3),
         significant(now.noise(), 3)
     );
+    if let Some(own) = now.on_the_file_s_mesh() {
+        body.push_str(&format!(
+            "<p>As the search judged it. The curves and tables below are one run at its values on the file's mesh, where they \
+             were not refitted: χ² {}.</p>",
+            significant(own, 3)
+        ));
+    }
     if let Some(base) = base {
         body.push_str(&format!(
             "<p>The base model alone: χ² {}, rms {} N.</p>",
@@ -122,7 +130,10 @@ fn place(v: &View) -> Card {
             format!("<li>{test}, {segment}: <b>{:.0} %</b> of χ²{side}</li>", 100.0 * share)
         })
         .collect();
-    let whose = if v.rungs.len() > 1 { "<p class=\"muted\">Of the base model:</p>" } else { "" };
+    let whose = match described(v).filter(|_| v.rungs.len() > 1) {
+        Some(r) => format!("<p class=\"muted\">Of {}:</p>", escape(&r.name())),
+        None => String::new(),
+    };
     let (camera, worse) = cameras(v);
     let head = worse.unwrap_or_else(|| format!("{}, {}", escape(&first.0), escape(&first.1)));
     let items = items + &camera;
@@ -152,14 +163,51 @@ fn missing(v: &View) -> Card {
     };
     let found = list(d, "found");
     let head = match verdict(v) {
-        "nothing_missing" => "Nothing".to_owned(),
+        "nothing_missing" if explained(v) => "Nothing that shows".to_owned(),
+        "nothing_missing" => "Nothing that the screen calls for".to_owned(),
+        _ if is_screen(v) && v.rungs.len() < 2 => {
+            format!("The screen points to {}", escape(&groups(d).join(", and ")))
+        }
         "unexplained" if found.is_empty() => "Something the catalogue does not hold".to_owned(),
         "unexplained" => format!("More than {}", escape(&groups(d).join(", and "))),
         _ => escape(&groups(d).join(", and ")),
     };
-    let good = (verdict(v) == "nothing_missing").then_some(true);
+    let good = (verdict(v) == "nothing_missing" && explained(v)).then_some(true);
     let values = amounts(v, &found);
-    Card { question, good, head, body: format!("<p>{}</p>{values}", words(v)) }
+    // The sentences of a screen alone speak of its own fit of the base model, not of the one on this page.
+    let body = if is_screen(v) { screened(d) } else { format!("<p>{}</p>", words(v)) };
+    Card { question, good, head, body: body + &values }
+}
+
+/// Whether the diagnosis is a screen, which refits nothing.
+fn is_screen(v: &View) -> bool {
+    v.diagnosis.as_ref().is_some_and(|d| rows(d, "ladder").is_empty())
+}
+
+/// What a screen says of the effects that it calls for.
+fn screened(d: &Value) -> String {
+    let called: String = rows(d, "screen")
+        .iter()
+        .filter(|r| called(r))
+        .take(PLACES)
+        .map(|r| {
+            let fall = 100.0 * number(r, "expected_fall").unwrap_or(0.0);
+            let how = match called_words(r) {
+                "called for" => "",
+                _ => ", but in more than a plausible amount",
+            };
+            format!("<li>{}: expected to take away {fall:.0} % of χ²{how}</li>", escape(text(r, "effect")))
+        })
+        .collect();
+    let called = if called.is_empty() { "<li>no effect is called for</li>".into() } else { called };
+    format!(
+        "<ul>{called}</ul><p class=\"muted\">By a linear screen at its own joint fit of the base model.</p>"
+    )
+}
+
+/// Reduced χ² with the record's noise alone, where what is called explained leans on the mesh's error.
+pub fn mean_off(v: &View) -> Option<f64> {
+    v.current().and_then(Rung::leans_on_the_mesh)
 }
 
 /// How much of each found effect: its parameters at the rung shown.
@@ -188,6 +236,11 @@ fn how_sure(v: &View) -> Card {
     if let Some(d) = &v.diagnosis {
         let rivals: Vec<String> = groups(d).into_iter().filter(|g| g.contains(" or ")).collect();
         head = match (verdict(v), rivals.is_empty()) {
+            _ if is_screen(v) && list(d, "found").is_empty() => {
+                "No effect of the catalogue is called for".into()
+            }
+            _ if is_screen(v) && v.rungs.len() < 2 => "A screen: nothing was refitted yet".into(),
+            _ if is_screen(v) => "One model was refitted, its rivals were not".into(),
             ("ambiguous", _) | (_, false) => "These records cannot tell rivals apart".into(),
             ("unexplained", _) => "Sure that something is missing".into(),
             ("nothing_missing", _) => "Nothing in the catalogue would help".into(),
@@ -200,11 +253,10 @@ fn how_sure(v: &View) -> Card {
                 .find(|r| text(r, "effect") == name)
                 .and_then(|r| number(r, "p_value"))
             {
-                facts.push(format!("{}: {} in the score test", escape(&name), p_value(p)));
+                let p = p_value(p);
+                let p = if p.starts_with('<') { format!("p {p}") } else { format!("p = {p}") };
+                facts.push(format!("{}: {} in the score test", escape(&name), escape(&p)));
             }
-        }
-        if v.run.info.command != "discover" && v.rungs.len() < 2 {
-            facts.push("a linear screen; nothing was refitted yet".into());
         }
     }
     facts.extend(falls(v));
@@ -243,19 +295,8 @@ fn falls(v: &View) -> Vec<String> {
     out
 }
 
-/// A p-value; a tail beyond what a double holds is said to be below it.
-pub fn p_value(p: f64) -> String {
-    if p < 1e-99 {
-        "p < 1e-99".into()
-    } else if p < 0.01 {
-        format!("p = {p:.0e}")
-    } else {
-        format!("p = {p:.2}")
-    }
-}
-
 fn run(v: &View) -> String {
-    quoted(&v.run.path.display().to_string())
+    quoted_path(&v.run.path)
 }
 
 fn next(v: &View) -> Card {
@@ -280,12 +321,19 @@ fn next(v: &View) -> Card {
             "<p>The residual strip and the atlas below show when the misfit comes. An effect of your own can be added: see <i>adding an effect</i> in the book.</p>".to_owned(),
         ),
         (_, Some(d)) if command != "discover" && !list(d, "found").is_empty() => {
-            let add = format!("fct add {} {} --out more.toml", list(d, "found").join(" "), run(v));
-            ("Add it and refit".to_owned(), format!("<p>{}<br>{}</p>", code(&add), code("fct identify more.toml --out runs/more")))
+            // One effect a command; the next adds to the file of the one before.
+            let found = list(d, "found");
+            let file = |k: usize| if k == found.len() { "more.toml".to_owned() } else { format!("more{k}.toml") };
+            let from = |k: usize| if k == 0 { run(v) } else { file(k) };
+            let add = |(k, e): (usize, &String)| format!("fct add {} {} --out {}", quoted(e), from(k), file(k + 1));
+            let adds = found.iter().enumerate().map(add);
+            let fit = "fct identify more.toml --out runs/more".to_owned();
+            let lines: Vec<String> = adds.chain([fit]).map(|l| code(&l)).collect();
+            ("Add it and refit".to_owned(), format!("<p>{}</p>", lines.join("<br>")))
         }
         (_, Some(_)) if command == "discover" && v.rungs.len() > 1 => {
             let last = v.rungs.len() - 1;
-            ("Refit and report".to_owned(), format!("<p>The found model, ready for a full identification with intervals:<br>{}</p>", code(&format!("fct identify {}/rungs/{last}/run.toml --out runs/found", run(v)))))
+            ("Refit and report".to_owned(), format!("<p>The found model, ready for a full identification with intervals:<br>{}</p>", code(&format!("fct identify {} --out runs/found", quoted_path(&v.run.path.join(format!("rungs/{last}/run.toml")))))))
         }
         _ if explained(v) => ("Use the values".to_owned(), loose(v)),
         _ => ("Ask what is missing".to_owned(), format!("<p>{}</p>", code(&format!("fct discover {}", run(v))))),

@@ -1,8 +1,8 @@
 //! The overview page of a batch: specimens side by side, as the paper's Table 2.
 
 use super::{Cell, document, escape, table};
-use crate::answer::IdentifyAnswer;
-use crate::terminal::{BatchRow, batch_rows, mean_sd, significant};
+use crate::answer::{IdentifyAnswer, ParameterAnswer};
+use crate::terminal::{BatchRow, batch_rows, mean_in_words, mean_sd, pair, significant};
 use serde_json::{Value, json};
 
 /// A specimen: its answer, and where its own page is, relative to this one.
@@ -22,24 +22,17 @@ pub fn page(specimens: &[Specimen], failed: &[(String, String)]) -> String {
     let body = format!(
         "<h1>{} specimens{badge}</h1>\n<p class=\"verdict\">{explained} of {} explained by their model{}</p>\n\
          <section id=\"table\"><h2>Mean ± SD over the areas of each specimen</h2>\n{}{}</section>\n\
-         <section><h2>Along the tear path</h2>\n<div class=\"charts\">{}{}</div></section>\n\
-         <section><h2>Bulk</h2>\n{}</section>\n{}",
+         {}<section><h2>Bulk</h2>\n{}</section>\n{}",
         rows.len(),
         rows.len(),
         if failed.is_empty() { String::new() } else { format!(", {} failed", failed.len()) },
         overview(specimens, &rows),
         over_all(&rows),
-        super::chart("batch", "gc", "fracture energy Gc (N/mm) along the path, a line per specimen"),
-        super::chart("batch", "sigma_c", "strength σc (MPa) along the path, a line per specimen"),
+        along(&rows),
         bulk(&answers),
         failures(failed)
     );
     document("fct batch", &body, &data(&answers))
-}
-
-fn pair(p: Option<[f64; 2]>) -> String {
-    // One value alone has no spread.
-    p.map_or("–".into(), |[m, s]| if s == 0.0 { format!("{m:.3}") } else { format!("{m:.3} ± {s:.3}") })
 }
 
 fn overview(specimens: &[Specimen], rows: &[BatchRow]) -> String {
@@ -54,7 +47,7 @@ fn overview(specimens: &[Specimen], rows: &[BatchRow]) -> String {
                 pair(r.published_gc_N_per_mm),
                 pair(r.sigma_c_MPa),
                 pair(r.published_sigma_c_MPa),
-                r.not_identifiable.to_string(),
+                r.left_out.len().to_string(),
                 significant(r.reduced_chi2_total, 3),
             ]
             .iter()
@@ -67,27 +60,42 @@ fn overview(specimens: &[Specimen], rows: &[BatchRow]) -> String {
             )
         })
         .collect();
-    let head: String =
-        ["areas", "Gc (N/mm)", "published", "σc (MPa)", "published", "not fixed", "reduced χ²"]
-            .iter()
-            .map(|h| format!("<th class=\"n\">{h}</th>"))
-            .collect();
+    let head: String = ["areas", "Gc (N/mm)", "published", "σc (MPa)", "published", "left out", "reduced χ²"]
+        .iter()
+        .map(|h| format!("<th class=\"n\">{h}</th>"))
+        .collect();
     format!(
         "<div class=\"scroll\"><table><thead><tr><th>specimen</th>{head}<th>explained</th></tr></thead><tbody>\n{body}</tbody></table></div>\n"
     )
 }
 
-/// Mean ± SD of the specimens' means.
-fn over_all(rows: &[BatchRow]) -> String {
-    let of = |f: &dyn Fn(&BatchRow) -> Option<[f64; 2]>| {
-        pair(mean_sd(&rows.iter().filter_map(|r| f(r).map(|p| p[0])).collect::<Vec<f64>>()))
-    };
+/// Values along the path; of one area each there is nothing to draw.
+fn along(rows: &[BatchRow]) -> String {
+    if rows.iter().all(|r| r.areas < 2) {
+        return String::new();
+    }
     format!(
-        "<p>Over the {} specimens (mean ± SD of their means): Gc <b>{} N/mm</b>, σc <b>{} MPa</b>.</p>\n",
-        rows.len(),
-        of(&|r| r.gc_N_per_mm),
-        of(&|r| r.sigma_c_MPa)
+        "<section><h2>Along the tear path</h2>\n<div class=\"charts\">{}{}</div></section>\n",
+        super::chart(
+            "batch",
+            "gc",
+            "fracture energy Gc (N/mm) along the path, where the records fix it; a line per specimen"
+        ),
+        super::chart(
+            "batch",
+            "sigma_c",
+            "strength σc (MPa) along the path, where the records fix it; a line per specimen"
+        )
     )
+}
+
+/// Mean ± SD of the means of the specimens that are explained, and what is not in it.
+fn over_all(rows: &[BatchRow]) -> String {
+    let (mean, left_out) = mean_in_words(rows);
+    let left_out: String = left_out.iter().map(|l| format!("<li>{}</li>\n", escape(l))).collect();
+    let left_out =
+        if left_out.is_empty() { left_out } else { format!("<ul class=\"muted\">\n{left_out}</ul>\n") };
+    format!("<p><b>{}</b></p>\n{left_out}", escape(&mean))
 }
 
 fn bulk(answers: &[IdentifyAnswer]) -> String {
@@ -123,9 +131,11 @@ fn failures(failed: &[(String, String)]) -> String {
 }
 
 fn data(answers: &[IdentifyAnswer]) -> Value {
-    let of = |a: &IdentifyAnswer, end: &str| -> Vec<f64> {
+    // What the records do not fix, or a bound holds, is no value to draw.
+    let value = |p: &ParameterAnswer| (p.identifiable && !p.at_bound).then_some(p.value);
+    let of = |a: &IdentifyAnswer, end: &str| -> Vec<Option<f64>> {
         let areas = a.parameters.iter().filter(|p| p.path.starts_with("interface.area["));
-        areas.filter(|p| p.path.ends_with(end)).map(|p| p.value).collect()
+        areas.filter(|p| p.path.ends_with(end)).map(value).collect()
     };
     let lines: Vec<Value> = answers
         .iter()

@@ -22,7 +22,14 @@ function axis(label, more = {}) {
   return { label, stroke: css("--ink"), grid: { stroke: css("--line"), width: 1 }, ticks: { stroke: css("--line") },
     font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", labelSize: 18, labelGap: 2, ...more };
 }
-const left = label => axis(label, { size: 54, values: (u, ticks) => ticks.map(t => t == null ? "" : show(t, 6)) });
+// Ticks of one axis have as many decimals each, and enough room not to overprint.
+const even = ticks => {
+  const step = ticks.length > 1 ? Math.abs(ticks[1] - ticks[0]) : 1;
+  let digits = 0;
+  while (digits < 9 && Math.abs(step * 10 ** digits - Math.round(step * 10 ** digits)) > 1e-6) digits++;
+  return ticks.map(t => t == null ? "" : Math.abs(t) >= 1e5 || step < 1e-7 ? t.toExponential(1) : t.toFixed(digits));
+};
+const left = (label, space = 34) => axis(label, { size: 62, space, values: (u, ticks) => even(ticks) });
 
 // Everything that is drawn by hand stays inside the axes.
 function inside(u, draw) {
@@ -96,6 +103,15 @@ function nearest(u, xs, columns) {
   return best;
 }
 
+// An entry of a legend. Names come from files: they are put on the page as text, never as markup.
+function chip(colour, text, round) {
+  const entry = document.createElement("span"), mark = document.createElement("i");
+  mark.style.background = colour;
+  if (round) mark.style.borderRadius = "50%"; else mark.style.height = "3px";
+  entry.append(mark, text);
+  return entry;
+}
+
 // A pair of scales that zooming changes; double click brings back the whole.
 function zoomable(view, again) {
   return {
@@ -123,7 +139,7 @@ function against(test) {
 // Record, model with noise band, misfit coloured by segment underneath.
 function testChart(figure) {
   const test = page.tests.find(t => t.name === figure.dataset.name);
-  const measured = test.f.length > 0;
+  const measured = test.f.length > 0, main = figure.dataset.chart === "main";
   const kinds = [...new Set(test.segments.map(s => kindOf(s[0])))];
   const model = () => page.rungs[state.rung].force[test.name] || [];
   const misfit = () => test.f.map((f, i) => f - model()[i]);
@@ -158,7 +174,7 @@ function testChart(figure) {
     const u = new uPlot({
       width: wide(figure), height, legend: { show: false }, padding: [8, 10, 0, 0],
       scales: { x: { time: false, min: view.x[0], max: view.x[1], range: (u, a, b) => [a, b] }, y: { auto: false, min: y[0], max: y[1], range: (u, a, b) => [a, b] } },
-      axes: [xLabel ? axis(xLabel, { size: 30 }) : axis("", { size: 6, labelSize: 0, values: () => [], label: null }), left(name)],
+      axes: [xLabel ? axis(xLabel, { size: 30, space: 58 }) : axis("", { size: 6, labelSize: 0, values: () => [], label: null }), left(name, height < 180 ? 24 : 34)],
       cursor: { ...z.cursor, dataIdx: u => { if (!busy || u.at == null) u.at = nearest(u, xs, columns); return u.at; }, points: { size: 8, fill: css("--ink"), stroke: css("--paper") } },
       series: [{}, ...series.map(s => ({ stroke: s.colour, fill: s.dots ? s.colour : undefined, width: s.dots ? 0 : 2, points: { show: false }, spanGaps: true,
         paths: u => { if (s.hidden) return null; return s.dots ? { fill: dots(u, xs, s.data, 0, xs.length, 2 * devicePixelRatio), stroke: null } : { stroke: line(u, xs, s.data), fill: null }; } }))],
@@ -191,14 +207,14 @@ function testChart(figure) {
         for (const [name, from, to] of test.segments) { ctx.fillStyle = colour(kinds.indexOf(kindOf(name))); ctx.fill(dots(u, xs, r, from, to, 2 * devicePixelRatio)); }
       },
     };
-    plots = [
-      part("force (N)", narrow ? 220 : 270, [{ data: test.f, colour: css("--record"), dots: true }, { data: m, colour: css("--model") }], view.y["force (N)"] || span([test.f, ...page.rungs.map(k => k.force[test.name] || [])]), noise, ""),
+    const force = (height, xLabel) => part("force (N)", height, [{ data: test.f, colour: css("--record"), dots: true }, { data: m, colour: css("--model") }], view.y["force (N)"] || span([test.f, ...page.rungs.map(k => k.force[test.name] || [])]), noise, xLabel);
+    plots = main ? [force(narrow ? 200 : 230, xLabel)] : [
+      force(narrow ? 220 : 270, ""),
       part("misfit (N)", narrow ? 150 : 160, [{ data: r, colour: css("--ink"), hidden: true }], view.y["misfit (N)"] || [-most, most], strip, xLabel),
     ];
   }
-  const chip = (c, text, round) => `<span><i style="background:${c};${round ? "border-radius:50%" : "height:3px"}"></i>${text}</span>`;
   const redraw = () => {
-    legend.innerHTML = measured ? chip(css("--record"), "record", true) + chip(css("--model"), "model") + chip(css("--band"), "± 2 sd", true) + kinds.map((k, i) => chip(colour(i), k, true)).join("") : "";
+    legend.replaceChildren(...(measured ? [chip(css("--record"), "record", true), chip(css("--model"), "model"), chip(css("--band"), "± 2 sd", true), ...(main ? [] : kinds.map((k, i) => chip(colour(i), k, true)))] : []));
     tell(null); draw();
   };
   redraw();
@@ -251,7 +267,7 @@ function pathChart(figure) {
 }
 
 // Lines over a sorted axis with uPlot's own legend.
-function lines(figure, xs, series, xLabel, yLabel, { log = false, marks = [], whole = false } = {}) {
+function lines(figure, xs, series, xLabel, yLabel, { log = false, marks = [], ends = null } = {}) {
   const box = document.createElement("div");
   figure.prepend(box);
   let plot = null;
@@ -261,8 +277,8 @@ function lines(figure, xs, series, xLabel, yLabel, { log = false, marks = [], wh
     const dash = i => i >= 8 ? [6, 3] : i >= 16 ? [2, 2] : undefined;
     plot = new uPlot({
       width: wide(figure), height: 300, padding: [8, 10, 0, 0], legend: { live: figure.clientWidth > 480 },
-      scales: { x: whole ? { time: false, range: [0.5, xs.length + 0.5] } : { time: false }, y: log ? { distr: 3 } : {} },
-      axes: [axis(xLabel, whole ? { size: 30, splits: () => xs } : { size: 30 }), log ? axis(yLabel, { size: 58, values: (u, t) => t.map(v => v == null || Math.abs(Math.log10(v) % 1) > 1e-6 && v < 0.01 ? "" : show(v, 2)) }) : left(yLabel)],
+      scales: { x: ends ? { time: false, range: ends } : { time: false }, y: log ? { distr: 3 } : {} },
+      axes: [axis(xLabel, { size: 30 }), log ? axis(yLabel, { size: 58, values: (u, t) => t.map(v => v == null || Math.abs(Math.log10(v) % 1) > 1e-6 && v < 0.01 ? "" : show(v, 2)) }) : left(yLabel)],
       series: [{ label: xLabel }, ...list.map((s, i) => ({ label: s.name, stroke: colour(i), dash: dash(i), width: 2, spanGaps: false, points: { show: xs.length < 40, size: 5 }, value: (u, v) => show(v) }))],
       hooks: { draw: [u => inside(u, ctx => marks.forEach(m => { ctx.fillStyle = css("--muted"); ctx.fillRect(u.valToPos(m, "x", true), u.bbox.top, 1, u.bbox.height); }))] },
     }, [xs, ...list.map(s => s.data)], box);
@@ -283,7 +299,9 @@ function channelChart(figure) {
   return lines(figure, test.t, () => [{ name: "record", data: test.channels[word] }, { name: "model", data: page.rungs[state.rung].channels[figure.dataset.name] || [] }], "time (s)", word.replaceAll("_", " ") + " (mm)");
 }
 function batchChart(figure) {
-  const key = figure.dataset.name, most = Math.max(1, ...page.batch.map(s => s[key].length));
-  const xs = Array.from({ length: most }, (_, i) => i + 1);
-  return lines(figure, xs, page.batch.map(s => ({ name: s.name, data: xs.map(x => s[key][x - 1] ?? null) })), "area, from the cut", key === "gc" ? "Gc (N/mm)" : "σc (MPa)", { whole: true });
+  // Areas divide the path into equal parts, whatever their number: a value stands in the middle of its part.
+  const key = figure.dataset.name, place = (i, list) => (i + 0.5) / list.length;
+  const xs = [...new Set(page.batch.flatMap(s => s[key].map((_, i) => place(i, s[key]))))].sort((a, b) => a - b);
+  const data = list => xs.map(x => { const i = list.findIndex((_, i) => place(i, list) === x); return i < 0 ? undefined : list[i]; }); // undefined: no area there; null: not fixed, a gap
+  return lines(figure, xs, page.batch.map(s => ({ name: s.name, data: data(s[key]) })), "place along the tear path (0: cut, 1: far edge)", key === "gc" ? "Gc (N/mm)" : "σc (MPa)", { ends: [0, 1] });
 }

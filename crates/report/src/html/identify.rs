@@ -1,7 +1,7 @@
 //! The page of an identification, a diagnosis or a search.
 
 use super::view::{Rung, View};
-use super::{answer, chart, escape, ladder, per_rung, picture, tables};
+use super::{answer, chart, escape, first, ladder, per_rung, strip, tables};
 use crate::published::area;
 
 /// The first screen, then everything it rests on.
@@ -9,6 +9,7 @@ pub fn body(v: &View) -> String {
     let shown = v.current().map_or_else(String::new, |r| format!(", shown: {}", shown_name(&r.name())));
     [
         format!("<p class=\"muted\">fct {}{shown}</p>\n", escape(&v.run.info.command)),
+        first::section(v),
         answer::section(v),
         ladder::staircase(v),
         curves(v),
@@ -70,12 +71,18 @@ fn curves(v: &View) -> String {
 }
 
 fn path(v: &View) -> String {
-    let has = |r: &Rung| r.answer.parameters.iter().any(|p| area(&p.path).is_some());
+    // One area is one value: it stands on the first screen, and a chart of one dot says no more.
+    let has = |r: &Rung| r.answer.parameters.iter().any(|p| area(&p.path).is_some_and(|at| at > 0));
     if !v.rungs.iter().any(has) {
         return String::new();
     }
     let published = v.current().is_some_and(|r| r.answer.published.is_some());
-    let note = if published { "; diamonds: published" } else { "" };
+    let averaged = v.current().is_some_and(|r| r.answer.parameters.iter().any(|p| p.published_averaged));
+    let note = match (published, averaged) {
+        (true, true) => "; diamonds: mean of the published values over the area",
+        (true, false) => "; diamonds: published",
+        _ => "",
+    };
     let caption = |what: &str| {
         format!("{what} in each area with 95 % interval (hollow: not fixed by the records{note})")
     };
@@ -129,12 +136,6 @@ fn energies(v: &View) -> String {
 
 fn pictures(v: &View) -> String {
     let Some(r) = v.current().filter(|r| !r.pictures.is_empty()) else { return String::new() };
-    let all: String = r
-        .pictures
-        .iter()
-        .map(|(test, svg)| {
-            format!("<figure class=\"strip\"><div class=\"scroll\">{}</div><figcaption>{}: the deformed strip at typical points, true scale</figcaption></figure>\n", picture(svg), escape(test))
-        })
-        .collect();
+    let all: String = r.pictures.iter().map(|(test, svg)| strip(test, svg)).collect();
     format!("<section id=\"fields\"><h2>The strip: {}</h2>\n{all}</section>\n", escape(&r.name()))
 }

@@ -1,13 +1,16 @@
 //! The staircase of rungs, the ranked effects, the residual atlas.
 
-use super::answer::{called, p_value};
+use super::answer::called;
 use super::view::{Rung, View};
-use super::{Cell, escape, per_rung, table};
+use super::{Cell, escape, per_rung, share_class, table};
+use crate::answer::IdentifyAnswer;
 use crate::peek::{list, number, rows, text, yes};
-use crate::terminal::significant;
+use crate::terminal::{called as called_words, known, mean_sd, p_value, significant};
 use analysis::Residuals;
 use serde_json::Value;
 
+/// A segment whose rms is less than so many times the noise is not looked at: few points scatter that far.
+const NOISE: f64 = 1.6;
 /// Effects that stand above the fold of the table.
 const FIRST: usize = 8;
 
@@ -23,9 +26,9 @@ pub fn staircase(v: &View) -> String {
         "<section id=\"ladder\"><h2>Ladder</h2>\n<p class=\"muted\">Height: rms misfit over all force points (N). Dashed: \
          noise, {} N. Choose a rung: curves, values and tables below follow.</p>\n\
          <div class=\"stairs\" role=\"group\" aria-label=\"rungs of the ladder\">\n\
-         <div class=\"noise\" style=\"--share:{:.4}\" aria-hidden=\"true\"></div>\n{steps}</div>\n{}</section>\n",
+         <div class=\"noise {}\" aria-hidden=\"true\"></div>\n{steps}</div>\n{}</section>\n",
         significant(noise, 3),
-        noise / most,
+        share_class(noise / most),
         ladder_table(v)
     )
 }
@@ -46,10 +49,10 @@ fn step(v: &View, k: usize, r: &Rung, most: f64) -> String {
     };
     format!(
         "<button type=\"button\" class=\"rung\" data-rung=\"{k}\" aria-pressed=\"{}\">\
-         <span class=\"bar\"><span style=\"--share:{:.4}\"></span></span><b>{}</b>\
+         <span class=\"bar\"><span class=\"{}\"></span></span><b>{}</b>\
          <span>{} N</span><span>χ² {}</span></button>\n",
         k == v.shown,
-        r.rms() / most,
+        share_class(r.rms() / most),
         escape(&name),
         significant(r.rms(), 3),
         significant(r.chi2(), 3),
@@ -58,14 +61,7 @@ fn step(v: &View, k: usize, r: &Rung, most: f64) -> String {
 
 fn ladder_table(v: &View) -> String {
     let mean = |r: &Rung, end: &str| {
-        let all: Vec<f64> = r
-            .answer
-            .parameters
-            .iter()
-            .filter(|p| p.path.starts_with("interface.area[") && p.path.ends_with(end))
-            .map(|p| p.value)
-            .collect();
-        if all.is_empty() { "–".into() } else { significant(all.iter().sum::<f64>() / all.len() as f64, 3) }
+        mean_sd(&known(&r.answer, end)).map_or_else(|| "–".into(), |[mean, _]| significant(mean, 3))
     };
     let optional = |x: Option<f64>, digits| x.map_or("–".to_owned(), |x| significant(x, digits));
     let rows = v.rungs.iter().map(|r| {
@@ -127,18 +123,18 @@ fn effect(r: &Value) -> String {
     let p = if yes(r, "refit_only") {
         "refit".into()
     } else {
-        number(r, "p_value").map_or("–".into(), |p| p_value(p).replace("p = ", "").replace("p ", ""))
+        escape(&number(r, "p_value").map_or("–".into(), p_value))
     };
     let dim = if called(r) { "" } else { " class=\"dim\"" };
-    let unseen = match (yes(r, "visible"), called(r)) {
-        (true, _) => "",
-        (false, true) => " <span class=\"muted\">(only beyond a plausible size)</span>",
-        (false, false) => " <span class=\"muted\">(not visible here)</span>",
+    let says = match called_words(r) {
+        "" => String::new(),
+        words => format!(" <span class=\"muted\">({words})</span>"),
     };
     format!(
-        "<tr{dim}><td><b>{}</b>{unseen}</td><td><span class=\"fall\"><span style=\"--share:{fall:.4}\"></span></span> {:.0} %</td>\
-         <td class=\"n\">{p}</td><td class=\"wrap\">{}</td><td class=\"wrap words\">{}</td></tr>\n",
+        "<tr{dim}><td><b>{}</b>{says}</td><td><span class=\"fall\"><span class=\"{}\"></span></span> {:.0} %</td>\
+         <td class=\"n\" data-head=\"p:\">{p}</td><td class=\"wrap\" data-head=\"look-alikes:\">{}</td><td class=\"wrap words\">{}</td></tr>\n",
         escape(text(r, "effect")),
+        share_class(fall),
         100.0 * fall,
         escape(&list(r, "look_alikes").join(", ")),
         escape(text(r, "sentence")),
@@ -152,7 +148,12 @@ pub fn residuals(v: &View) -> String {
     }
     let body = per_rung(v, |r| {
         let all: Vec<Residuals> = r.curves.iter().map(crate::Curve::residuals).collect();
-        format!("{}{}", by_segment(&all), by_tear_front(&all))
+        let tables = format!("{}{}", by_segment(&all), by_tear_front(&all));
+        // Where all is noise, nobody needs to read where it sits.
+        match noise_only(&r.answer, &all) {
+            Some(words) => format!("<details><summary>{words}</summary>\n{tables}</details>\n"),
+            None => tables,
+        }
     });
     format!(
         "<section id=\"atlas\"><h2>Residual atlas</h2>\n<p class=\"muted\">Where the misfit sits. rms / noise is 1 for a model that is \
@@ -160,29 +161,38 @@ pub fn residuals(v: &View) -> String {
     )
 }
 
+/// What an atlas would say of a model that is at the noise in every segment; `None`: it is not.
+fn noise_only(a: &IdentifyAnswer, all: &[Residuals]) -> Option<String> {
+    let ratio = |r: &Residuals, rms: f64| rms / r.noise.max(f64::MIN_POSITIVE);
+    let ratios: Vec<f64> = all
+        .iter()
+        .flat_map(|r| diagnose::atlas::atlas(&r.misfit, &r.segments).into_iter().map(|s| ratio(r, s.rms)))
+        .collect();
+    let most = ratios.iter().copied().fold(0.0, f64::max);
+    (a.explained && a.reduced_chi2 <= diagnose::LEANS && most < NOISE).then(|| {
+        format!("{} segments, all at the noise: the largest rms is {most:.2} times it", ratios.len())
+    })
+}
+
 fn by_segment(all: &[Residuals]) -> String {
+    // Shares of the whole χ², as the first screen names them.
+    let total: f64 = all.iter().map(Residuals::chi2).sum();
     let rows = all.iter().flat_map(|r| {
+        let own = r.chi2() / total.max(f64::MIN_POSITIVE);
         diagnose::atlas::atlas(&r.misfit, &r.segments).into_iter().map(move |s| {
             vec![
                 Cell::left(r.test.clone()),
                 Cell::left(s.segment),
                 Cell::number(s.points.to_string()),
-                Cell::share(s.share),
+                Cell::share(s.share * own),
                 Cell::number(format!("{:.2}", s.rms / r.noise.max(f64::MIN_POSITIVE))),
                 Cell::number(format!("{} {}", significant(s.mean, 2), side(s.sign))),
                 Cell::number(format!("{:.2}", without_minus_zero(s.autocorrelation))),
             ]
         })
     });
-    let header = [
-        "test",
-        "segment",
-        "points",
-        "share of the test's misfit",
-        "rms / noise",
-        "mean misfit (N)",
-        "autocorrelation",
-    ];
+    let header =
+        ["test", "segment", "points", "share of χ²", "rms / noise", "mean misfit (N)", "autocorrelation"];
     table(&header, rows)
 }
 
@@ -208,14 +218,7 @@ fn by_tear_front(all: &[Residuals]) -> String {
             Cell::number(significant(s.mean_n, 2)),
         ]
     });
-    let header = [
-        "test",
-        "tear front at (mm)",
-        "points",
-        "share of the whole misfit",
-        "rms / noise",
-        "mean misfit (N)",
-    ];
+    let header = ["test", "tear front at (mm)", "points", "share of χ²", "rms / noise", "mean misfit (N)"];
     table(&header, rows)
 }
 

@@ -6,6 +6,8 @@
 mod answer;
 mod batch;
 mod data;
+mod document;
+mod first;
 mod identify;
 mod ladder;
 mod place;
@@ -14,16 +16,16 @@ mod tables;
 mod view;
 
 pub use batch::page as batch_page;
+pub use document::is_page;
 pub use view::{Rung, View};
 
+use document::{document, picture, share_class};
+
 use crate::runs::StoredRun;
+use crate::shell::quoted_path;
 use crate::{Curve, ReportError};
 use serde_json::Value;
 use std::path::Path;
-
-const CSS: &str = concat!(include_str!("../../assets/uPlot.min.css"), "\n", include_str!("style.css"));
-const PLOT: &str = include_str!("../../assets/uPlot.iife.min.js");
-const SCRIPT: &str = concat!(include_str!("charts.js"), include_str!("page.js"));
 
 /// The page of a run whose files lie in `files` (its own directory, or where it is being written).
 ///
@@ -31,8 +33,9 @@ const SCRIPT: &str = concat!(include_str!("charts.js"), include_str!("page.js"))
 /// If what was stored cannot be shown.
 pub fn page(run: &StoredRun, files: &Path) -> Result<String, ReportError> {
     if let Some(answer) = run.simulate() {
-        let curves: Vec<Curve> = StoredRun { path: files.to_owned(), ..run.clone() }.curves();
-        let pictures = simulate::pictures(&answer, files);
+        let at = run.in_folder(files);
+        let curves: Vec<Curve> = at.curves()?;
+        let pictures = view::pictures(&at, answer.tests.keys())?;
         return Ok(shell(run, &simulate::body(&answer, &curves, &pictures), &data::of_curves(&curves)));
     }
     view_page(&View::of(run, files)?)
@@ -62,20 +65,6 @@ fn shell(run: &StoredRun, body: &str, data: &Value) -> String {
     document(&title, &format!("{head}{body}{}", origin(run, &provenance)), data)
 }
 
-/// A whole document with style, script and data in it.
-fn document(title: &str, body: &str, data: &Value) -> String {
-    // `</` would end the script element.
-    let data = data.to_string().replace("</", "<\\/");
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta name=\"color-scheme\" content=\"light dark\">\n\
-         <title>{}</title>\n<style>\n{CSS}</style>\n</head>\n<body>\n<main>\n{body}</main>\n\
-         <script type=\"application/json\" id=\"data\">{data}</script>\n<script>\n{PLOT}\n{SCRIPT}</script>\n</body>\n</html>\n",
-        escape(title)
-    )
-}
-
 fn text(run: &StoredRun, key: &str) -> String {
     run.answer.get(key).and_then(Value::as_str).unwrap_or_default().to_owned()
 }
@@ -89,8 +78,10 @@ fn unfinished(run: &StoredRun) -> String {
 /// Where everything comes from, and how to make it again.
 fn origin(run: &StoredRun, provenance: &str) -> String {
     let files = run.info.inputs.iter().map(|f| {
-        let hash = f.sha256.as_deref().map_or("–".to_owned(), |h| h.chars().take(16).collect());
-        vec![Cell::left(f.file.display().to_string()), Cell::left(hash)]
+        vec![
+            Cell::left(f.file.display().to_string()),
+            Cell::left(f.sha256.chars().take(16).collect::<String>()),
+        ]
     });
     let provenance = if provenance.is_empty() { "not stated in the specimen file" } else { provenance };
     let input = std::path::absolute(&run.path).unwrap_or_else(|_| run.path.clone()).join("run.toml");
@@ -108,19 +99,19 @@ fn origin(run: &StoredRun, provenance: &str) -> String {
         table(&["file", "SHA-256 (first 16)"], files),
         escape(&run.info.version),
         escape(&run.info.command),
-        escape(&quoted(&input.display().to_string())),
+        escape(&quoted_path(&input)),
     )
 }
 
-/// A path as a shell takes it.
-fn quoted(path: &str) -> String {
-    let plain = path.chars().all(|c| c.is_alphanumeric() || "/._-+".contains(c));
-    if plain { path.to_owned() } else { format!("'{}'", path.replace('\'', "'\\''")) }
-}
-
-/// Text that is no markup.
+/// Text that is no markup, and that turns nothing around.
 fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    // Line ends and tabs are blanks in HTML.
+    let text = input::visible(&text.replace(['\n', '\r'], " "));
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+        .replace('\'', "&#39;")
 }
 
 /// A command line.
@@ -160,7 +151,7 @@ impl Cell {
     }
     fn html(&self) -> String {
         let bar = self.share.map_or(String::new(), |x| {
-            format!("<span class=\"fall\"><span style=\"--share:{:.4}\"></span></span> ", x.clamp(0.0, 1.0))
+            format!("<span class=\"fall\"><span class=\"{}\"></span></span> ", share_class(x))
         });
         format!("<td class=\"{}\">{bar}{}</td>", self.class, escape(&self.text))
     }
@@ -184,10 +175,14 @@ fn table(header: &[&str], rows: impl Iterator<Item = Vec<Cell>>) -> String {
     )
 }
 
-/// A stored picture for a page that may be dark: its paper is the page's own, and its text too.
-fn picture(svg: &str) -> String {
-    let body = svg.find("<svg").map_or(svg, |at| &svg[at..]);
-    body.replace("fill=\"#FFFFFF\"", "fill=\"none\"").replace("fill=\"#222226\"", "fill=\"currentColor\"")
+/// The strip at typical points of a test.
+fn strip(test: &str, svg: &str) -> String {
+    let caption = format!("{test}: the deformed strip at typical points, true scale");
+    format!(
+        "<figure class=\"strip\"><div class=\"scroll\">{}</div><figcaption>{}</figcaption></figure>\n",
+        picture(svg, &caption),
+        escape(&caption)
+    )
 }
 
 /// Where a chart is drawn.

@@ -1,5 +1,5 @@
 // What the page does: choosing a rung or an axis, colour scheme, size, printing.
-const makers = { test: testChart, path: pathChart, values: searchChart, objective: searchChart, channel: channelChart, batch: batchChart };
+const makers = { test: testChart, main: testChart, path: pathChart, values: searchChart, objective: searchChart, channel: channelChart, batch: batchChart };
 const charts = [...document.querySelectorAll("[data-chart]")].filter(f => f.dataset.chart in makers).map(f => Object.assign(makers[f.dataset.chart](f), { figure: f }));
 const redraw = () => charts.forEach(c => c.redraw());
 

@@ -1,7 +1,8 @@
 //! Where the model is off: segments of the force records, camera channels.
 
+use super::answer::explained;
 use super::escape;
-use super::view::View;
+use super::view::{Rung, View};
 use crate::peek::{number, rows, text};
 use crate::terminal::significant;
 use serde_json::Value;
@@ -9,27 +10,25 @@ use serde_json::Value;
 /// (test, segment, share of χ², whether the model lies too low or too high, if either).
 pub type Place = (String, String, f64, char);
 
-/// Where the misfit sits, largest share first: as a diagnosis told it of the base model, else from the
-/// curves shown.
+/// Where the misfit sits, largest share first, of the model that is described: from its own curves, as the atlas below
+/// shows them. A diagnosis fits the base model in its own way, so what it tells is used only where no curves are.
 pub fn places(v: &View) -> Vec<Place> {
-    let told = v.diagnosis.as_ref().map_or(&[][..], |d| rows(d, "where"));
-    if !told.is_empty() {
-        let sign = |r: &Value| if number(r, "mean_N").unwrap_or(0.0) < 0.0 { '-' } else { '+' };
-        return told
-            .iter()
-            .map(|r| {
-                (
-                    text(r, "test").into(),
-                    text(r, "segment").into(),
-                    number(r, "share").unwrap_or(0.0),
-                    sign(r),
-                )
-            })
-            .collect();
+    if let Some(rung) = described(v).filter(|r| !r.curves.is_empty()) {
+        let residuals: Vec<_> = rung.curves.iter().map(crate::Curve::residuals).collect();
+        let of = |(test, s): (String, diagnose::atlas::SegmentMisfit)| (test, s.segment, s.share, s.sign);
+        return analysis::located(&residuals).into_iter().map(of).collect();
     }
-    let Some(rung) = v.current() else { return Vec::new() };
-    let residuals: Vec<_> = rung.curves.iter().map(crate::Curve::residuals).collect();
-    analysis::located(&residuals).into_iter().map(|(test, s)| (test, s.segment, s.share, s.sign)).collect()
+    let told = v.diagnosis.as_ref().map_or(&[][..], |d| rows(d, "where"));
+    let sign = |r: &Value| if number(r, "mean_N").unwrap_or(0.0) < 0.0 { '-' } else { '+' };
+    let of = |r: &Value| {
+        (text(r, "test").into(), text(r, "segment").into(), number(r, "share").unwrap_or(0.0), sign(r))
+    };
+    told.iter().map(of).collect()
+}
+
+/// The model whose misfit is described: of a ladder that explains the records the base, whose misfit was the question.
+pub fn described(v: &View) -> Option<&Rung> {
+    if v.rungs.len() > 1 && explained(v) { v.rungs.first() } else { v.current() }
 }
 
 /// Camera channels that the model misses, and the worst if it is missed more than every force.

@@ -1,16 +1,9 @@
 //! The page of a simulation.
 
-use super::{Cell, chart, escape, picture, table};
+use super::{Cell, chart, escape, strip, table};
 use crate::Curve;
 use crate::answer::SimulateAnswer;
 use crate::terminal::significant;
-use std::path::Path;
-
-/// Stored pictures of the strip, by test.
-pub fn pictures(a: &SimulateAnswer, files: &Path) -> Vec<(String, String)> {
-    let read = |t: &String| std::fs::read_to_string(files.join(format!("figures/{t}-S22.svg"))).ok();
-    a.tests.keys().filter_map(|t| Some((t.clone(), read(t)?))).collect()
-}
 
 /// Curves, jumps, energies, pictures.
 pub fn body(a: &SimulateAnswer, curves: &[Curve], pictures: &[(String, String)]) -> String {
@@ -28,10 +21,7 @@ pub fn body(a: &SimulateAnswer, curves: &[Curve], pictures: &[(String, String)])
         .filter(|c| c.time.len() > 1)
         .map(|c| chart("test", &c.test, &format!("{}: computed force (N)", c.test)))
         .collect();
-    let strips: String = pictures
-        .iter()
-        .map(|(t, svg)| format!("<figure class=\"strip\"><div class=\"scroll\">{}</div><figcaption>{}: the deformed strip at typical points, true scale</figcaption></figure>\n", picture(svg), escape(t)))
-        .collect();
+    let strips: String = pictures.iter().map(|(test, svg)| strip(test, svg)).collect();
     format!(
         "<p class=\"muted\">Simulation, {}</p>\n{early}<section id=\"curves\"><h2>Curves</h2>\n<div class=\"tools\">\
          <span>against</span><button type=\"button\" data-axis=\"u\" aria-pressed=\"true\">displacement</button>\

@@ -1,8 +1,8 @@
 //! Tables of one rung: fit, parameters, correlations, energies, published values.
 
-use super::{Cell, escape, table};
+use super::{Cell, escape, share_class, table};
 use crate::answer::{IdentifyAnswer, ParameterAnswer, TestFit};
-use crate::terminal::{SLOPPY_SHOWN, interval, readable_unit, remark, significant};
+use crate::terminal::{SLOPPY_SHOWN, interval, published_value, readable_unit, remark, significant};
 use std::fmt::Write;
 
 /// Fit of each test and channel.
@@ -57,7 +57,7 @@ fn row(p: &ParameterAnswer, published: bool) -> Vec<Cell> {
         Cell::number(interval(p, factor)),
     ];
     if published {
-        cells.push(Cell::number(p.published.map_or(String::new(), |v| significant(v * factor, 4))));
+        cells.push(Cell::number(published_value(p, factor)));
     }
     cells.push(Cell::left(if p.identifiable { "yes" } else { "no" }));
     cells.push(Cell::remark(remark(p)));
@@ -98,8 +98,7 @@ pub fn correlations(a: &IdentifyAnswer) -> String {
             let side = if r < 0.0 { "neg" } else { "pos" };
             let tip = format!("{} / {}: {r:.2}", escape(&p.path), escape(&a.parameters[j].path));
             let text = format!("{r:.1}").replace("0.", ".").replace("-.0", "0").replace("1.0", "1");
-            let _ =
-                write!(body, "<td class=\"{side}\" style=\"--r:{:.2}\" title=\"{tip}\">{text}</td>", r.abs());
+            let _ = write!(body, "<td class=\"{side} {}\" title=\"{tip}\">{text}</td>", share_class(r.abs()));
         }
         body.push_str("</tr>\n");
     }
@@ -125,11 +124,9 @@ pub fn published(a: &IdentifyAnswer) -> String {
     let Some(p) = &a.published else { return String::new() };
     let notes: String = p.notes.iter().map(|n| format!("<li>{}</li>\n", escape(n))).collect();
     format!(
-        "<h3>Against published values</h3>\n<p>{}</p>\n<p>{} of {} identifiable parameters have the published value in \
-         their 95 % interval.</p>\n<ul>\n{notes}</ul>\n",
+        "<h3>Against published values</h3>\n<p>{}</p>\n<p>{}</p>\n<ul>\n{notes}</ul>\n",
         escape(&p.source),
-        p.inside,
-        p.compared
+        escape(&p.words())
     )
 }
 

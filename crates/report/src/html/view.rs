@@ -35,13 +35,14 @@ pub struct View {
 
 impl Rung {
     /// A rung from the run directory of an identification.
-    pub fn of(run: &StoredRun, files: &Path) -> Option<Self> {
-        let answer = run.identify()?;
-        let at = StoredRun { path: files.to_owned(), ..run.clone() };
-        let pictures = answer.tests.keys().filter_map(|t| {
-            Some((t.clone(), std::fs::read_to_string(files.join(format!("figures/{t}-S22.svg"))).ok()?))
-        });
-        Some(Self { pictures: pictures.collect(), curves: at.curves(), answer, judged: None })
+    ///
+    /// # Errors
+    /// If its curves or pictures are damaged.
+    pub fn of(run: &StoredRun, files: &Path) -> Result<Option<Self>, ReportError> {
+        let Some(answer) = run.identify() else { return Ok(None) };
+        let at = run.in_folder(files);
+        let pictures = pictures(&at, answer.tests.keys())?;
+        Ok(Some(Self { pictures, curves: at.curves()?, answer, judged: None }))
     }
 
     /// The model in words.
@@ -58,6 +59,13 @@ impl Rung {
     pub fn leans_on_the_mesh(&self) -> Option<f64> {
         let chi2 = self.number("reduced_chi2").unwrap_or(self.answer.reduced_chi2);
         (chi2 > diagnose::LEANS).then_some(chi2)
+    }
+
+    /// Reduced χ² of the curves and tables shown, where the search judged its own, corrected, run otherwise by more than
+    /// a quarter.
+    pub fn on_the_file_s_mesh(&self) -> Option<f64> {
+        let (own, judged) = (self.answer.reduced_chi2_total, self.number("reduced_chi2_total")?);
+        ((own / judged).ln().abs() > 0.22).then_some(own)
     }
 
     /// Rms misfit over all force points, N.
@@ -90,17 +98,30 @@ impl Rung {
     }
 }
 
+/// The pictures of the strip that a run stored, by test.
+///
+/// # Errors
+/// If one of them is damaged.
+pub(super) fn pictures<'a>(
+    run: &StoredRun,
+    tests: impl Iterator<Item = &'a String>,
+) -> Result<Vec<(String, String)>, ReportError> {
+    let file = |t: &String| format!("figures/{t}-S22.svg");
+    tests.filter(|t| run.holds(&file(t))).map(|t| Ok((t.clone(), run.text(&file(t))?))).collect()
+}
+
 impl View {
     /// The view of one run; `files`: where its files are (while it is written, not its final place).
     ///
     /// # Errors
-    /// Never today; reading may come to fail.
+    /// If a file of the run, or of one that it was derived from, is damaged.
     pub fn of(run: &StoredRun, files: &Path) -> Result<Self, ReportError> {
-        let mut rungs: Vec<Rung> = match (run.info.command.as_str(), Rung::of(run, files)) {
-            ("discover", _) => searched(run, files),
+        let mut rungs: Vec<Rung> = match (run.info.command.as_str(), Rung::of(run, files)?) {
+            ("discover", _) => searched(run, files)?,
             (_, Some(own)) => {
+                // An ancestor that cannot be read any more is no step of the staircase.
                 let chain = ancestors(run);
-                chain.iter().filter_map(|a| Rung::of(a, &a.path)).chain([own]).collect()
+                chain.iter().filter_map(|a| Rung::of(a, &a.path).ok().flatten()).chain([own]).collect()
             }
             // An unfinished run: its ancestors are not what was asked for.
             (_, None) => Vec::new(),
@@ -109,14 +130,16 @@ impl View {
         if let Some(last) = rungs.last_mut()
             && last.pictures.is_empty()
         {
-            last.pictures = Rung::of(run, files).map(|r| r.pictures).unwrap_or_default();
+            last.pictures = Rung::of(run, files)?.map(|r| r.pictures).unwrap_or_default();
         }
         let diagnosis = if run.info.command == "discover" {
             Some(run.answer.clone())
         } else {
             // What was missing in an ancestor is what this run was made to show.
-            let places = std::iter::once(files.to_owned()).chain(ancestors(run).into_iter().map(|a| a.path));
-            places.filter_map(|p| diagnosis_in(&p)).next()
+            match run.in_folder(files).diagnosis()? {
+                Some(own) => Some(own),
+                None => ancestors(run).into_iter().find_map(|a| a.diagnosis().ok().flatten()),
+            }
         };
         Ok(Self { run: run.clone(), rungs, shown, diagnosis })
     }
@@ -136,7 +159,7 @@ impl View {
         })?;
         let mut rungs = Vec::new();
         for run in runs {
-            let rung = Rung::of(run, &run.path)
+            let rung = Rung::of(run, &run.path)?
                 .ok_or_else(|| not(run, "expected a finished run of `fct identify`"))?;
             if run.answer.get("specimen") != first.answer.get("specimen") {
                 return Err(not(run, "this run is of another specimen than the first"));
@@ -148,7 +171,7 @@ impl View {
         });
         let run = rungs.last().map_or(first, |r| r.1).clone();
         let base = rungs.first().map_or(first, |r| r.1);
-        let diagnosis = diagnosis_in(&base.path);
+        let diagnosis = base.diagnosis()?;
         let shown = rungs.len().saturating_sub(1);
         let rungs = rungs.into_iter().map(|r| r.0).collect();
         Ok(Self { run, rungs, shown, diagnosis })
@@ -160,20 +183,20 @@ impl View {
     }
 }
 
-/// What `fct diagnose` left in a run directory.
-fn diagnosis_in(folder: &Path) -> Option<Value> {
-    serde_json::from_str(&std::fs::read_to_string(folder.join("diagnosis.json")).ok()?).ok()
-}
-
 /// The rungs that `fct discover` stored, with the search's own judgement of each.
-fn searched(run: &StoredRun, files: &Path) -> Vec<Rung> {
+fn searched(run: &StoredRun, files: &Path) -> Result<Vec<Rung>, ReportError> {
     let rows = run.answer.get("ladder").and_then(Value::as_array).cloned().unwrap_or_default();
-    let rungs = rows.into_iter().enumerate().filter_map(|(k, row)| {
+    let mut rungs = Vec::new();
+    for (k, row) in rows.into_iter().enumerate() {
         let place = files.join("rungs").join(k.to_string());
-        let stored = StoredRun::read(&place).ok()?;
-        Some(Rung { judged: Some(row), ..Rung::of(&stored, &place)? })
-    });
-    rungs.collect()
+        // A rung that could not be computed was not stored.
+        if place.is_dir()
+            && let Some(rung) = Rung::of(&StoredRun::read(&place)?, &place)?
+        {
+            rungs.push(Rung { judged: Some(row), ..rung });
+        }
+    }
+    Ok(rungs)
 }
 
 /// The runs that this one was derived from (`fct add` keeps the parent), oldest first.

@@ -1,9 +1,10 @@
 //! Where an identified model is off, on a terminal.
 
 use super::identify::{small_plot, test_table, verdict};
-use super::{Style, WIDTH, significant, table, wrap};
+use super::{Style, significant, table, wrap};
 use crate::Curve;
 use crate::answer::{CompareAnswer, EnergyAnswer, IdentifyAnswer};
+use input::visible;
 use std::fmt::Write;
 
 /// Segments that are named.
@@ -13,13 +14,19 @@ const BAR: f64 = 24.0;
 
 /// Distance of each test, where the misfit sits and on what it depends, energies.
 pub fn compare(a: &CompareAnswer, found: &IdentifyAnswer, curves: &[Curve], style: Style) -> String {
-    let mut out = format!("{}\n\n{}\n", verdict(found, style), test_table(found));
+    let mut out = format!("{}\n\n{}\n", verdict(found, style), test_table(found, style));
     for curve in curves.iter().filter(|c| !c.measured.is_empty()) {
         let _ = writeln!(out, "\n{}", small_plot(curve, style));
     }
     let _ = writeln!(out, "\n{}", style.bold("Where the model is off"));
     for w in a.r#where.iter().take(PLACES) {
-        let _ = writeln!(out, "  {:<16} {:<18} {}", w.test, w.segment, share(w.share, w.mean_n));
+        let _ = writeln!(
+            out,
+            "  {:<16} {:<18} {}",
+            visible(&w.test),
+            visible(&w.segment),
+            share(w.share, w.mean_n)
+        );
     }
     if !a.along_the_tear.is_empty() {
         let _ = writeln!(out, "\n{}", style.bold("The same by the model's tear front"));
@@ -30,16 +37,17 @@ pub fn compare(a: &CompareAnswer, found: &IdentifyAnswer, curves: &[Curve], styl
         } else {
             format!("at {} mm", significant(s.from_mm, 3))
         };
-        let _ = writeln!(out, "  {:<16} {ends:<18} {}", s.test, share(s.share, s.mean_n));
+        let _ = writeln!(out, "  {:<16} {ends:<18} {}", visible(&s.test), share(s.share, s.mean_n));
     }
     out.push('\n');
     for line in &found.remarks {
-        let _ = writeln!(out, "{} {}", style.bad("!"), wrap(line, 96, 2));
+        let _ = writeln!(out, "{}", style.marked(&style.bad("!"), line));
     }
     for sentence in &a.words {
-        let _ = writeln!(out, "{}", wrap(sentence, usize::from(WIDTH), 0));
+        let _ = writeln!(out, "{}", wrap(sentence, style.width, 0));
     }
-    let _ = writeln!(out, "\n{}\n{}", style.bold("Energies at the end of each test (N·mm)"), ledger(a));
+    let _ =
+        writeln!(out, "\n{}\n{}", style.bold("Energies at the end of each test (N·mm)"), ledger(a, style));
     out
 }
 
@@ -48,7 +56,7 @@ fn share(share: f64, mean: f64) -> String {
     format!("{:>4.0} % of χ², mean {:>9} N  {bar}", 100.0 * share, significant(mean, 2)).trim_end().to_owned()
 }
 
-fn ledger(a: &CompareAnswer) -> String {
+fn ledger(a: &CompareAnswer, style: Style) -> String {
     let header = ["test", "work", "stored", "tear, lost", "tear, held", "bulk, lost", "rig", "jumps", "gap"];
     let row = |name: &String, e: &EnergyAnswer| {
         let numbers = [
@@ -67,5 +75,5 @@ fn ledger(a: &CompareAnswer) -> String {
             .collect::<Vec<String>>()
     };
     let rows = a.tests.iter().filter_map(|(n, t)| t.energy.as_ref().map(|e| row(n, e)));
-    table(&header, &[0], rows.collect())
+    table(style, &header, &[0], rows.collect())
 }

@@ -1,7 +1,8 @@
 //! Tables of diagnose and discover, from their JSON answers.
 
-use super::{Style, WIDTH, significant, table, wrap};
+use super::{Style, significant, table, wrap};
 use crate::peek::{groups, list, number, rows, text, yes};
+use input::visible;
 use serde_json::Value;
 use std::fmt::Write;
 
@@ -15,10 +16,10 @@ fn shown(x: Option<f64>, digits: i32) -> String {
 }
 
 /// Sentences, each broken at the width of a terminal.
-fn sentences(out: &mut String, all: &[String]) {
+fn sentences(out: &mut String, all: &[String], style: Style) {
     for sentence in all {
         // Writing to a String cannot fail.
-        let _ = writeln!(out, "{}", wrap(sentence, usize::from(WIDTH), 0));
+        let _ = writeln!(out, "{}", wrap(sentence, style.width, 0));
     }
 }
 
@@ -44,28 +45,28 @@ pub fn discover(answer: &Value, style: Style) -> String {
     if text(answer, "provenance").to_lowercase().starts_with("synthetic") {
         let _ = writeln!(out, "{}", style.notice("The records are synthetic, not measured."));
     }
-    sentences(&mut out, &list(answer, "words"));
+    sentences(&mut out, &list(answer, "words"), style);
     if !rows(answer, "ladder").is_empty() {
-        let _ = writeln!(out, "\n{}\n{}", style.bold("Ladder"), ladder(rows(answer, "ladder")));
+        let _ = writeln!(out, "\n{}\n{}", style.bold("Ladder"), ladder(rows(answer, "ladder"), style));
     }
-    let _ = writeln!(out, "\n{}\n{}", style.bold("Screen of the catalogue"), screen(answer));
-    let _ = writeln!(out, "{}", wrap(MARKS, usize::from(WIDTH), 0));
+    let _ = writeln!(out, "\n{}\n{}", style.bold("Screen of the catalogue"), screen(answer, style));
+    let _ = writeln!(out, "{}", wrap(MARKS, style.width, 0));
     places(answer, style, &mut out);
     if let Some(next) = answer.get("next_test").filter(|n| !n.is_null()) {
         let rivals = list(next, "separates").join(", ");
         let power = number(next, "expected_power")
             .map_or_else(String::new, |p| format!(" (simulated: told apart with a chance of {})", chance(p)));
         let line = format!("To separate {rivals}: {}{power}", text(next, "proposal"));
-        let _ = writeln!(out, "\n{}", wrap(&line, usize::from(WIDTH), 2));
+        let _ = writeln!(out, "\n{}", wrap(&line, style.width, 0));
     }
     out
 }
 
-/// What the marks of a screen mean.
-const MARKS: &str = "p: the chance of so much without the effect, with the noise as estimated. ●: called for, decided with noise as \
+/// What the columns of a screen mean.
+const MARKS: &str = "p: the chance of so much without the effect, with the noise as estimated. Called for: decided with noise as \
                      correlated as these records allow.";
 
-fn ladder(rungs: &[Value]) -> String {
+fn ladder(rungs: &[Value], style: Style) -> String {
     let most = rungs.iter().filter_map(|r| number(r, "rms_N")).fold(f64::MIN_POSITIVE, f64::max);
     let lines = rungs.iter().map(|r| {
         let names = list(r, "effects");
@@ -82,27 +83,25 @@ fn ladder(rungs: &[Value]) -> String {
         ]
     });
     let header = ["effects", "param.", "rms (N)", "", "held out (N)", "χ²/ν", "with num. error", "BIC"];
-    table(&header, &[0, 3], lines.collect())
+    table(style, &header, &[0, 3], lines.collect())
 }
 
-fn screen(answer: &Value) -> String {
+fn screen(answer: &Value, style: Style) -> String {
     let lines = rows(answer, "screen").iter().map(|r| {
         let fall = number(r, "expected_fall").unwrap_or(0.0);
         let alike = list(r, "look_alikes");
         let more = if alike.len() > 3 { format!(", {} more", alike.len() - 3) } else { String::new() };
-        let mark = if yes(r, "significant") { "●" } else { " " };
         vec![
-            mark.to_owned(),
             text(r, "effect").to_owned(),
             format!("{:.0} %", 100.0 * fall),
             "█".repeat((fall.clamp(0.0, 1.0) * BAR).round() as usize),
-            number(r, "p_value").map_or_else(|| "–".into(), |p| format!("{p:.0e}")),
-            if yes(r, "visible") { "yes" } else { "no" }.to_owned(),
+            number(r, "p_value").map_or_else(|| "–".into(), p_value),
+            called(r).to_owned(),
             format!("{}{more}", alike.iter().take(3).cloned().collect::<Vec<_>>().join(", ")),
         ]
     });
-    let header = ["", "effect", "χ² falls by", "", "p", "visible", "look-alikes"];
-    table(&header, &[0, 1, 3, 6], lines.collect())
+    let header = ["effect", "χ² falls by", "", "p", "", "look-alikes"];
+    table(style, &header, &[0, 2, 4, 5], lines.collect())
 }
 
 fn places(answer: &Value, style: Style, out: &mut String) {
@@ -114,8 +113,30 @@ fn places(answer: &Value, style: Style, out: &mut String) {
     for r in place.iter().take(PLACES) {
         let share = number(r, "share").unwrap_or(0.0);
         let bar = "█".repeat((share * 2.0 * BAR).round() as usize);
-        let (test, segment) = (text(r, "test"), text(r, "segment"));
+        let (test, segment) = (visible(text(r, "test")), visible(text(r, "segment")));
         let _ = writeln!(out, "  {test:<16} {segment:<14} {:>4.0} % of χ²  {bar}", 100.0 * share);
+    }
+}
+
+/// What a row of the screen says of its effect, in one place: a plausible amount of what is not called for may show
+/// or not; what is called for shows, though it may take more than a plausible amount.
+pub(crate) fn called(row: &Value) -> &'static str {
+    match (yes(row, "significant"), yes(row, "visible")) {
+        (true, true) => "called for",
+        (true, false) => "called for, in more than a plausible amount",
+        (false, true) => "",
+        (false, false) => "would not show here",
+    }
+}
+
+/// A p-value; a tail beyond what a double holds well is said to be below it.
+pub(crate) fn p_value(p: f64) -> String {
+    if p < 1e-99 {
+        "< 1e-99".into()
+    } else if p < 0.01 {
+        format!("{p:.0e}")
+    } else {
+        format!("{p:.2}")
     }
 }
 

@@ -6,8 +6,10 @@ use crate::answer::{IdentifyAnswer, ParameterAnswer};
 use crate::curves::Curve;
 use std::fmt::Write;
 
-/// Width of the small plots.
-const PLOT: usize = 72;
+/// Columns beside a small plot: its name and its peak.
+const BESIDE: usize = 28;
+/// Where a terminal has fewer columns, the table of the tests leaves the last two away: they stand on the page.
+const ALL_COLUMNS: usize = 96;
 /// Combinations of parameters that are told in words; the rest is counted.
 pub(crate) const SLOPPY_SHOWN: usize = 3;
 
@@ -19,30 +21,26 @@ pub fn identify(a: &IdentifyAnswer, curves: &[Curve], style: Style) -> String {
     if a.provenance.to_lowercase().starts_with("synthetic") {
         let _ = writeln!(out, "{}", style.notice("The records are synthetic, not measured."));
     }
-    let _ = writeln!(out, "\n{}", parameter_table(a));
-    let _ = writeln!(out, "\n{}", test_table(a));
+    let _ = writeln!(out, "\n{}", parameter_table(a, style));
+    let _ = writeln!(out, "\n{}", test_table(a, style));
     for curve in curves.iter().filter(|c| !c.measured.is_empty()) {
         let _ = writeln!(out, "\n{}", small_plot(curve, style));
     }
     for line in &a.remarks {
-        let _ = writeln!(out, "{} {}", style.bad("!"), wrap(line, 96, 2));
+        let _ = writeln!(out, "{}", style.marked(&style.bad("!"), line));
     }
     for line in a.sloppy.iter().take(SLOPPY_SHOWN) {
-        let _ = writeln!(out, "{} {}", style.notice("!"), wrap(line, 96, 2));
+        let _ = writeln!(out, "{}", style.marked(&style.notice("!"), line));
     }
     if a.sloppy.len() > SLOPPY_SHOWN {
         let more = a.sloppy.len() - SLOPPY_SHOWN;
         let _ = writeln!(out, "  … and {more} more combinations, in summary.json under `sloppy`");
     }
     if let Some(p) = &a.published {
-        let _ = writeln!(out, "\n{}", wrap(&format!("Published: {}", p.source), 98, 2));
-        let _ = writeln!(
-            out,
-            "{} of {} identifiable parameters have the published value in their 95 % interval.",
-            p.inside, p.compared
-        );
+        let _ = writeln!(out, "\n{}", style.after("Published: ", &p.source));
+        let _ = writeln!(out, "{}", wrap(&p.words(), style.width, 0));
         for note in &p.notes {
-            let _ = writeln!(out, "  {}", wrap(note, 96, 2));
+            let _ = writeln!(out, "  {}", wrap(note, style.width, 2));
         }
     }
     let _ = writeln!(
@@ -57,7 +55,7 @@ pub fn identify(a: &IdentifyAnswer, curves: &[Curve], style: Style) -> String {
                 a.stopped_because,
                 a.starts.as_deref().unwrap_or_default()
             ),
-            98,
+            style.width,
             0
         )
     );
@@ -84,7 +82,7 @@ pub(super) fn verdict(a: &IdentifyAnswer, style: Style) -> String {
     format!("{}: {word}\n{chi2}", style.bold(&head))
 }
 
-fn parameter_table(a: &IdentifyAnswer) -> String {
+fn parameter_table(a: &IdentifyAnswer, style: Style) -> String {
     let published = a.parameters.iter().any(|p| p.published.is_some());
     let mut header = vec!["parameter", "value", "unit", "95 % interval"];
     if published {
@@ -93,7 +91,7 @@ fn parameter_table(a: &IdentifyAnswer) -> String {
     header.push("remark");
     let rows = a.parameters.iter().map(|p| parameter_row(p, published)).collect();
     let last = header.len() - 1;
-    table(&header, &[0, 2, last], rows)
+    table(style, &header, &[0, 2, last], rows)
 }
 
 fn parameter_row(p: &ParameterAnswer, published: bool) -> Vec<String> {
@@ -101,7 +99,7 @@ fn parameter_row(p: &ParameterAnswer, published: bool) -> Vec<String> {
     let show = |x: Option<f64>| x.map_or("…".into(), |x| significant(x * factor, 4));
     let mut row = vec![p.path.clone(), show(Some(p.value)), unit.to_owned(), interval(p, factor)];
     if published {
-        row.push(p.published.map_or(String::new(), |v| significant(v * factor, 4)));
+        row.push(published_value(p, factor));
     }
     row.push(remark(p));
     row
@@ -114,6 +112,12 @@ pub(crate) fn interval(p: &ParameterAnswer, factor: f64) -> String {
         return "over 1000-fold".into();
     }
     format!("{} – {}", significant(low * factor, 4), significant(high * factor, 4))
+}
+
+/// The published value; `≈` before a mean over the area's part of the path.
+pub(crate) fn published_value(p: &ParameterAnswer, factor: f64) -> String {
+    let about = if p.published_averaged { "≈ " } else { "" };
+    p.published.map_or(String::new(), |v| format!("{about}{}", significant(v * factor, 4)))
 }
 
 /// Flags of a parameter in words.
@@ -130,7 +134,7 @@ pub(crate) fn remark(p: &ParameterAnswer) -> String {
     words.join(", ")
 }
 
-pub(super) fn test_table(a: &IdentifyAnswer) -> String {
+pub(super) fn test_table(a: &IdentifyAnswer, style: Style) -> String {
     let header = [
         "test",
         "points",
@@ -142,8 +146,9 @@ pub(super) fn test_table(a: &IdentifyAnswer) -> String {
         "f = Σr²",
         "energy gap",
     ];
+    let columns = if style.width < ALL_COLUMNS { header.len() - 2 } else { header.len() };
     let row = |unit: &str, name: &String, t: &crate::answer::TestFit| {
-        vec![
+        let mut row = vec![
             name.clone(),
             t.points.to_string(),
             format!("{} {unit}", significant(t.rms_N, 3)),
@@ -153,22 +158,25 @@ pub(super) fn test_table(a: &IdentifyAnswer) -> String {
             significant(t.reduced_chi2_total, 3),
             significant(t.objective, 3),
             t.energy.as_ref().map_or(String::new(), |e| format!("{:.3} %", 100.0 * e.closure)),
-        ]
+        ];
+        row.truncate(columns);
+        row
     };
     let rows =
         a.tests.iter().map(|(n, t)| row("N", n, t)).chain(a.channels.iter().map(|(n, t)| row("mm", n, t)));
-    table(&header, &[0], rows.collect())
+    table(style, &header[..columns], &[0], rows.collect())
 }
 
 /// Measured force, model and misfit over time as three lines.
 pub(super) fn small_plot(c: &Curve, style: Style) -> String {
+    let plot = style.width.saturating_sub(BESIDE);
     let (low, high) = range(c.measured.iter().chain(&c.model));
     let residual = c.residual();
     let most = residual.iter().fold(3.0 * c.noise, |m, r| m.max(r.abs()));
     let lines = [
-        ("measured", sparkline(&c.measured, PLOT, low, high), format!("peak {} N", significant(high, 3))),
-        ("model", sparkline(&c.model, PLOT, low, high), String::new()),
-        ("misfit", sparkline(&residual, PLOT, -most, most), format!("± {} N", significant(most, 2))),
+        ("measured", sparkline(&c.measured, plot, low, high), format!("peak {} N", significant(high, 3))),
+        ("model", sparkline(&c.model, plot, low, high), String::new()),
+        ("misfit", sparkline(&residual, plot, -most, most), format!("± {} N", significant(most, 2))),
     ];
     let body: Vec<String> = lines
         .iter()

@@ -1,19 +1,19 @@
 //! Several runs side by side: the batch's table and the ladder. Field names are those of the answers.
 #![allow(non_snake_case)]
 
-use super::{Style, significant, table};
-use crate::answer::IdentifyAnswer;
+use super::{Style, significant, table, wrap};
+use crate::answer::{IdentifyAnswer, ParameterAnswer};
 use crate::runs::StoredRun;
 use serde::Serialize;
 
-/// One specimen of a batch.
+/// One specimen of a batch. Means are over the areas whose value the records fix and that stand at no bound.
 #[derive(Clone, Debug, Serialize)]
 pub struct BatchRow {
     /// Name.
     pub specimen: String,
     /// Number of areas.
     pub areas: usize,
-    /// Mean and SD of Gc over the areas, N/mm.
+    /// Mean and SD of Gc over the areas, N/mm; null where no area's is known.
     pub gc_N_per_mm: Option<[f64; 2]>,
     /// Mean and SD of σc over the areas, MPa.
     pub sigma_c_MPa: Option<[f64; 2]>,
@@ -21,12 +21,38 @@ pub struct BatchRow {
     pub published_gc_N_per_mm: Option<[f64; 2]>,
     /// σc, MPa.
     pub published_sigma_c_MPa: Option<[f64; 2]>,
-    /// Areas whose Gc or σc the record does not fix.
+    /// Values of Gc and σc that the records do not fix.
     pub not_identifiable: usize,
+    /// Values that stand at a bound.
+    pub at_bound: usize,
+    /// Values that are in no mean, and why.
+    pub left_out: Vec<LeftOut>,
     /// Fit.
     pub reduced_chi2_total: f64,
     /// Verdict.
     pub explained: bool,
+}
+
+/// Something that a mean does not count.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct LeftOut {
+    /// A parameter's path, or a specimen's name.
+    pub what: String,
+    /// Why.
+    pub why: String,
+}
+
+/// Mean and SD over the specimens of a batch that are explained, of their own means.
+#[derive(Clone, Debug, Serialize)]
+pub struct BatchMean {
+    /// Specimens that are counted.
+    pub specimens: usize,
+    /// Gc, N/mm.
+    pub gc_N_per_mm: Option<[f64; 2]>,
+    /// σc, MPa.
+    pub sigma_c_MPa: Option<[f64; 2]>,
+    /// Specimens that are not counted, or not in one of the two, and why.
+    pub left_out: Vec<LeftOut>,
 }
 
 /// Rows of the batch's table.
@@ -35,33 +61,48 @@ pub fn batch_rows(answers: &[IdentifyAnswer]) -> Vec<BatchRow> {
 }
 
 fn batch_row(a: &IdentifyAnswer) -> BatchRow {
-    let of = |what: &str| -> Vec<f64> {
-        let areas =
-            a.parameters.iter().filter(|p| p.path.starts_with("interface.area[") && p.path.ends_with(what));
-        areas.map(|p| p.value).collect()
+    let areas = |end: &str| strengths(a).filter(|p| p.path.ends_with(end)).count();
+    let printed = |end: &str| -> Vec<f64> {
+        strengths(a).filter(|p| p.path.ends_with(end)).filter_map(|p| p.published).collect()
     };
-    let printed = |what: &str| -> Vec<f64> {
-        let areas =
-            a.parameters.iter().filter(|p| p.path.starts_with("interface.area[") && p.path.ends_with(what));
-        areas.filter_map(|p| p.published).collect()
-    };
-    let (gc, sigma_c) = (of("].gc"), of("].sigma_c"));
-    let loose =
-        a.parameters.iter().filter(|p| p.path.starts_with("interface.area[") && !p.identifiable).count();
+    let left_out: Vec<LeftOut> = strengths(a)
+        .filter_map(|p| Some(LeftOut { what: p.path.clone(), why: unknown(p)?.to_owned() }))
+        .collect();
     BatchRow {
         specimen: a.specimen.clone(),
-        areas: gc.len().max(sigma_c.len()),
-        gc_N_per_mm: mean_sd(&gc),
-        sigma_c_MPa: mean_sd(&sigma_c),
+        areas: areas("].gc").max(areas("].sigma_c")),
+        gc_N_per_mm: mean_sd(&known(a, "].gc")),
+        sigma_c_MPa: mean_sd(&known(a, "].sigma_c")),
         published_gc_N_per_mm: mean_sd(&printed("].gc")),
         published_sigma_c_MPa: mean_sd(&printed("].sigma_c")),
-        not_identifiable: loose,
+        not_identifiable: strengths(a).filter(|p| !p.identifiable).count(),
+        at_bound: strengths(a).filter(|p| p.at_bound).count(),
+        left_out,
         reduced_chi2_total: a.reduced_chi2_total,
         explained: a.explained,
     }
 }
 
-/// Mean and sample standard deviation.
+/// Gc and σc of the areas.
+fn strengths(a: &IdentifyAnswer) -> impl Iterator<Item = &ParameterAnswer> {
+    a.parameters.iter().filter(|p| p.path.starts_with("interface.area["))
+}
+
+/// Why a value stands for nothing that was measured; `None`: it does.
+fn unknown(p: &ParameterAnswer) -> Option<&'static str> {
+    match (p.identifiable, p.at_bound) {
+        (_, true) => Some("at a bound"),
+        (false, _) => Some("not identifiable"),
+        _ => None,
+    }
+}
+
+/// Values of the areas (`end`: `].gc` or `].sigma_c`) that the records fix and no bound holds, internal unit.
+pub(crate) fn known(a: &IdentifyAnswer, end: &str) -> Vec<f64> {
+    strengths(a).filter(|p| p.path.ends_with(end) && unknown(p).is_none()).map(|p| p.value).collect()
+}
+
+/// Mean and sample standard deviation; of one value the deviation is 0.
 pub(crate) fn mean_sd(x: &[f64]) -> Option<[f64; 2]> {
     if x.is_empty() {
         return None;
@@ -72,34 +113,100 @@ pub(crate) fn mean_sd(x: &[f64]) -> Option<[f64; 2]> {
     Some([mean, variance.sqrt()])
 }
 
-/// Mean ± SD of Gc and σc per specimen, as the paper's Table 2.
+/// Mean ± SD; one value alone has no spread.
+pub(crate) fn pair(p: Option<[f64; 2]>) -> String {
+    match p {
+        None => "–".into(),
+        Some([m, 0.0]) => significant(m, 3),
+        Some([m, s]) => format!("{} ± {}", significant(m, 3), significant(s, 2)),
+    }
+}
+
+/// The mean over the specimens: only what is explained is a measurement of anything.
+pub fn batch_mean(rows: &[BatchRow]) -> BatchMean {
+    let counted: Vec<&BatchRow> = rows.iter().filter(|r| r.explained).collect();
+    let mean = |of: &dyn Fn(&BatchRow) -> Option<[f64; 2]>| {
+        mean_sd(&counted.iter().filter_map(|r| Some(of(r)?[0])).collect::<Vec<f64>>())
+    };
+    let left_out = rows.iter().filter_map(|r| {
+        let why = match (r.explained, r.gc_N_per_mm, r.sigma_c_MPa) {
+            (false, ..) => {
+                format!("not explained by its model, reduced χ² {}", significant(r.reduced_chi2_total, 3))
+            }
+            (_, None, None) => "no Gc and no σc that its records fix".to_owned(),
+            (_, None, _) => "only from Gc: none that its records fix".to_owned(),
+            (_, _, None) => "only from σc: none that its records fix".to_owned(),
+            _ => return None,
+        };
+        Some(LeftOut { what: r.specimen.clone(), why })
+    });
+    BatchMean {
+        specimens: counted.len(),
+        gc_N_per_mm: mean(&|r| r.gc_N_per_mm),
+        sigma_c_MPa: mean(&|r| r.sigma_c_MPa),
+        left_out: left_out.collect(),
+    }
+}
+
+/// The mean over the specimens in a sentence, and what is not in it, line by line.
+pub(crate) fn mean_in_words(rows: &[BatchRow]) -> (String, Vec<String>) {
+    let all = batch_mean(rows);
+    let mean = match all.specimens {
+        0 => "No specimen is explained by its model: there is no mean over them.".to_owned(),
+        n => format!(
+            "Over the {n} explained specimen{} (mean ± SD of their means): Gc {} N/mm, σc {} MPa.",
+            if n == 1 { "" } else { "s" },
+            pair(all.gc_N_per_mm),
+            pair(all.sigma_c_MPa)
+        ),
+    };
+    let specimens = all.left_out.iter().map(|l| format!("Left out of it: {}, {}.", l.what, l.why));
+    let values = rows.iter().filter(|r| !r.left_out.is_empty()).map(|r| {
+        let count = |why: &str| r.left_out.iter().filter(|l| l.why == why).count();
+        let reasons = ["not identifiable", "at a bound"].map(|why| (count(why), why));
+        let reasons: Vec<String> =
+            reasons.iter().filter(|(n, _)| *n > 0).map(|(n, why)| format!("{n} {why}")).collect();
+        format!("{}: values of Gc and σc that are in no mean: {}.", r.specimen, reasons.join(", "))
+    });
+    let all = specimens.chain(values).collect();
+    (mean, all)
+}
+
+/// Mean ± SD of Gc and σc per specimen, as the paper's Table 2, and over them.
 pub fn batch(rows: &[BatchRow], style: Style) -> String {
-    let pair = |p: Option<[f64; 2]>| p.map_or("–".into(), |[m, s]| format!("{m:.3} ± {s:.3}"));
-    let header = [
-        "specimen",
-        "areas",
-        "Gc (N/mm)",
-        "published",
-        "σc (MPa)",
-        "published",
-        "not identif.",
-        "χ²/ν",
-        "explained",
-    ];
+    let published =
+        rows.iter().any(|r| r.published_gc_N_per_mm.is_some() || r.published_sigma_c_MPa.is_some());
+    let mut header = vec!["specimen", "areas", "Gc (N/mm)", "σc (MPa)", "left out", "χ²/ν", "explained"];
+    if published {
+        header.insert(3, "published");
+        header.insert(5, "published");
+    }
     let lines = rows.iter().map(|r| {
-        vec![
+        let mut line = vec![
             r.specimen.clone(),
             r.areas.to_string(),
             pair(r.gc_N_per_mm),
-            pair(r.published_gc_N_per_mm),
             pair(r.sigma_c_MPa),
-            pair(r.published_sigma_c_MPa),
-            r.not_identifiable.to_string(),
+            r.left_out.len().to_string(),
             significant(r.reduced_chi2_total, 3),
             if r.explained { "yes" } else { "no" }.into(),
-        ]
+        ];
+        if published {
+            line.insert(3, pair(r.published_gc_N_per_mm));
+            line.insert(5, pair(r.published_sigma_c_MPa));
+        }
+        line
     });
-    format!("{}\n{}", style.bold("Mean ± SD over the areas"), table(&header, &[0], lines.collect()))
+    let mut out = format!(
+        "{}\n{}\n",
+        style.bold("Mean ± SD over the areas"),
+        table(style, &header, &[0], lines.collect())
+    );
+    let (mean, left_out) = mean_in_words(rows);
+    for line in std::iter::once(&mean).chain(&left_out) {
+        out.push_str(&format!("\n{}", wrap(line, style.width, 0)));
+    }
+    out
 }
 
 /// One rung of a ladder of runs.
@@ -121,9 +228,9 @@ pub struct LadderRow {
     pub held_out_rms_N: Option<f64>,
     /// Bayesian information criterion.
     pub bic: Option<f64>,
-    /// Mean Gc over the areas, N/mm.
+    /// Mean Gc over the areas whose value is known, N/mm.
     pub gc_mean_N_per_mm: Option<f64>,
-    /// Mean σc over the areas, MPa.
+    /// Mean σc over the areas whose value is known, MPa.
     pub sigma_c_mean_MPa: Option<f64>,
 }
 
@@ -175,5 +282,5 @@ pub fn ladder(rows: &[LadderRow], style: Style) -> String {
             number(r.sigma_c_mean_MPa, 3),
         ]
     });
-    format!("{}\n{}", style.bold("Ladder"), table(&header, &[0, 3], lines.collect()))
+    format!("{}\n{}", style.bold("Ladder"), table(style, &header, &[0, 3], lines.collect()))
 }

@@ -3,6 +3,7 @@
 use super::plot::range;
 use super::{Style, significant, sparkline, table, wrap};
 use crate::answer::SimulateAnswer;
+use input::visible;
 use std::fmt::Write;
 
 /// Curves in a table, jumps, reason of an early end.
@@ -24,10 +25,15 @@ pub fn simulate(a: &SimulateAnswer, style: Style) -> String {
         ]
     });
     // Writing to a String cannot fail.
-    let _ = writeln!(out, "{}", table(&header, &[0], rows.collect()));
+    let _ = writeln!(out, "{}", table(style, &header, &[0], rows.collect()));
     for (name, t) in &a.tests {
         let (low, high) = range(&t.force_N);
-        let _ = writeln!(out, "\n  {:<12}{}", name, sparkline(&t.force_N, 72, low, high));
+        let _ = writeln!(
+            out,
+            "\n  {:<12}{}",
+            visible(name),
+            sparkline(&t.force_N, style.width.saturating_sub(16), low, high)
+        );
         for j in &t.jumps {
             let _ = writeln!(
                 out,
@@ -42,10 +48,10 @@ pub fn simulate(a: &SimulateAnswer, style: Style) -> String {
     let s = &a.solver;
     let _ = writeln!(out, "\n{} steps, {} Newton iterations, {:.1} s", s.steps, s.iterations, s.seconds);
     for line in &a.remarks {
-        let _ = writeln!(out, "{} {}", style.bad("!"), wrap(line, 96, 2));
+        let _ = writeln!(out, "{}", style.marked(&style.bad("!"), line));
     }
     if let Some(why) = &a.stopped_because {
-        let _ = writeln!(out, "{} {}", style.bad("Ended early:"), wrap(why, 86, 2));
+        let _ = writeln!(out, "{}\n  {}", style.bad("Ended early:"), wrap(why, style.width, 2));
     }
     out
 }

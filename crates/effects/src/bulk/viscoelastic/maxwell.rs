@@ -3,7 +3,7 @@
 use super::super::by_hand::{add, add_constant, add_deviatoric, inverse_transposed};
 use super::super::isochoric;
 use super::super::symmetric::{Frame, Sym, dot, pushed};
-use super::own_parameters;
+use super::times::Times;
 use crate::decorator::{Call, Decoration, Tangent};
 use crate::numeric::{add_scaled, decay, mean_decay, mean_rise};
 use constitutive::{Energy, Law, PointLaw, Response, Scalar};
@@ -12,7 +12,7 @@ use params::ParamSpec;
 
 /// History: H of each branch, then the driving stress, the isochoric C and the work on the branches.
 pub(super) struct Maxwell {
-    pub branches: usize,
+    pub times: Times,
     /// The law of the fibres, where they alone relax.
     pub fibres: Option<Hgo>,
     /// Whether the deviator of the inner stress depends on the volume: what relaxes is then asked for at J = 1.
@@ -26,13 +26,13 @@ fn read<S: Scalar>(history: &[S], block: usize) -> Sym<S> {
 
 impl Maxwell {
     const fn stress_block(&self) -> usize {
-        self.branches
+        self.times.count()
     }
     const fn shape_block(&self) -> usize {
-        self.branches + 1
+        self.times.count() + 1
     }
     const fn work(&self) -> usize {
-        6 * (self.branches + 2)
+        6 * (self.times.count() + 2)
     }
 
     /// Energy of the springs of the branches, |H|²/(2 g M), with M the secant stiffness of the
@@ -50,9 +50,10 @@ impl Maxwell {
         };
         let secant = if psi > 0.0 { dot(&s, &s) / (2.0 * psi) } else { 0.0 };
         let stiffness = secant.max(2.0 * call.base[hgo::MU]);
-        (0..self.branches)
-            .filter(|&b| call.own[2 * b] > 0.0)
-            .map(|b| dot(&read(new, b), &read(new, b)) / (2.0 * call.own[2 * b] * stiffness))
+        let strength = |b: usize| self.times.of(call.own, b).0;
+        (0..self.times.count())
+            .filter(|&b| strength(b) > 0.0)
+            .map(|b| dot(&read(new, b), &read(new, b)) / (2.0 * strength(b) * stiffness))
             .sum()
     }
 }
@@ -132,8 +133,9 @@ impl Maxwell {
         let c = frame.c.map(|x| x * frame.m);
         let (s_old, c_old) = (read(call.old, self.stress_block()), read(call.old, self.shape_block()));
         let (mut sum, mut work) = ([S::zero(); 6], S::zero());
-        for b in 0..self.branches {
-            let (g, x) = (call.own[2 * b], S::from(call.ctx.dt) / call.own[2 * b + 1]);
+        for b in 0..self.times.count() {
+            let (g, tau) = self.times.of(call.own, b);
+            let x = S::from(call.ctx.dt) / tau;
             let (left, kept) = (decay(x), mean_decay(x));
             let (taken, rise) = (g * kept, g * mean_rise(x));
             let mut mean = [S::zero(); 6];
@@ -156,13 +158,13 @@ impl Decoration<9> for Maxwell {
     const NAME: &'static str = "viscoelastic";
 
     fn parameters(&self) -> Vec<ParamSpec> {
-        own_parameters(self.branches)
+        self.times.parameters()
     }
 
     fn history(&self) -> Vec<(String, f64)> {
         const COMPONENTS: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "xz"];
         let mut all = Vec::new();
-        for b in 1..=self.branches {
+        for b in 1..=self.times.count() {
             all.extend(COMPONENTS.map(|c| (format!("h{b}_{c}"), 0.0)));
         }
         all.extend(COMPONENTS.map(|c| (format!("s_iso_{c}"), 0.0)));
@@ -209,8 +211,9 @@ impl Decoration<9> for Maxwell {
         self.relax(call, &frame, &followed.0, new);
         let s_old = read(call.old, self.stress_block());
         let (mut constant, mut share) = ([0.0; 6], 0.0);
-        for b in 0..self.branches {
-            let (g, x) = (call.own[2 * b], call.ctx.dt / call.own[2 * b + 1]);
+        for b in 0..self.times.count() {
+            let (g, tau) = self.times.of(call.own, b);
+            let x = call.ctx.dt / tau;
             let (left, taken) = (decay(x), g * mean_decay(x));
             share += taken;
             for i in 0..6 {

@@ -1,6 +1,7 @@
-//! Stress that relaxes: Maxwell branches on the isochoric stress, or on the fibres alone.
+//! Stress that relaxes: Maxwell branches or a continuous spectrum, on the isochoric stress or on the fibres alone.
 
 mod maxwell;
+mod times;
 
 use super::base::base_law;
 use crate::decorator::decorate;
@@ -9,10 +10,10 @@ use hgo::{FibreInvariants, Hgo};
 use input::{OptionKind, OptionSpec, OptionValue};
 use maxwell::Maxwell;
 use model::{Action, Card, Effect, Options, Piece, Scales, Screening, Sided, Site};
-use params::{ParamSpec, Quantity};
+use params::ParamSpec;
 use std::sync::Arc;
+use times::{TAU_BOUNDS, Times};
 
-const TAU_BOUNDS: (f64, f64) = (1e-2, 1e5);
 const MOST_BRANCHES: i64 = 4;
 
 static CARD: Card = Card {
@@ -23,9 +24,11 @@ static CARD: Card = Card {
               base parameters are the long-term (slow) response.",
     law: "S = S_inner + J^(−2/3) Dev ΣH_i,  Ḣ_i + H_i/τ_i = g_i d(J^(2/3) S_iso)/dt,  \
           S_iso = 2nd Piola stress of the inner law at J^(−1/3) F,  Dev A = A − ⅓ (A : C) C⁻¹;  \
-          relaxing = \"fibres\": driven by 2 ∂Ψ_fibres/∂C̄ instead",
+          relaxing = \"fibres\": driven by 2 ∂Ψ_fibres/∂C̄ instead;  relaxation = \"spectrum\": g_i e^(−t/τ_i) become \
+          C [E1(t/τ2) − E1(t/τ1)], within 1e-3 of C ln(τ2/τ1) over four decades",
     reference: "Simo 1987, Comput. Methods Appl. Mech. Eng. 60, doi:10.1016/0045-7825(87)90107-1; \
-                Holzapfel & Gasser 2001, Comput. Methods Appl. Mech. Eng. 190",
+                Holzapfel & Gasser 2001, Comput. Methods Appl. Mech. Eng. 190; spectrum: Fung 1993, Biomechanics; Puso & Weiss 1998, \
+                J. Biomech. Eng. 120",
     shows_in: &["hold", "rate change", "unload", "reload"],
     look_alikes: &["lag"],
     separated_by: "a hold of several τ at constant displacement: a late sensor settles within its delay, tissue relaxes on",
@@ -37,7 +40,7 @@ static CARD: Card = Card {
     breaks_half_height: false,
 };
 
-/// One to four Maxwell branches on the isochoric stress.
+/// One to four Maxwell branches on the isochoric stress, or a continuous spectrum.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Viscoelastic;
 
@@ -45,8 +48,15 @@ pub struct Viscoelastic;
 const ALL: &str = "all";
 const FIBRES: &str = "fibres";
 
-fn branches(options: &Options) -> usize {
-    integer(options, "branches", 1).clamp(1, MOST_BRANCHES) as usize
+/// What the option `relaxation` may say.
+const BRANCHES: &str = "branches";
+const SPECTRUM: &str = "spectrum";
+
+fn times(options: &Options) -> Times {
+    if word(options, "relaxation", BRANCHES) == SPECTRUM {
+        return Times::Spectrum;
+    }
+    Times::Branches(integer(options, "branches", 1).clamp(1, MOST_BRANCHES) as usize)
 }
 
 fn settings(branches: i64, relaxing: &str) -> Options {
@@ -56,42 +66,13 @@ fn settings(branches: i64, relaxing: &str) -> Options {
     ])
 }
 
-fn own_parameters(branches: usize) -> Vec<ParamSpec> {
-    let tau = |start| {
-        ParamSpec::new("tau", "τ", Quantity::Time, TAU_BOUNDS, start, "relaxation time of the branch")
-    };
-    let g = || {
-        ParamSpec::new(
-            "g",
-            "g",
-            Quantity::Dimensionless,
-            (0.0, 5.0),
-            0.2,
-            "instantaneous over long-term stress, less one",
-        )
-        .neutral(0.0)
-    };
-    (0..branches)
-        .flat_map(|b| {
-            let mut pair = [g(), tau(10f64.powi(b as i32 + 1))];
-            if b > 0 {
-                for p in &mut pair {
-                    p.name = format!("{}{}", p.name, b + 1).into();
-                    p.symbol = format!("{}{}", p.symbol, ['₂', '₃', '₄'][b - 1]).into();
-                }
-            }
-            pair
-        })
-        .collect()
-}
-
 impl Effect for Viscoelastic {
     fn card(&self) -> &Card {
         &CARD
     }
 
     fn parameters(&self, options: &Options) -> Vec<ParamSpec> {
-        own_parameters(branches(options))
+        times(options).parameters()
     }
 
     fn options(&self) -> Vec<OptionSpec> {
@@ -102,21 +83,31 @@ impl Effect for Viscoelastic {
                 default: Some(OptionValue::Integer(1)),
                 description: "number of relaxation branches; the second is g2, tau2, and so on".into(),
             },
+            choice(
+                "relaxation",
+                &[BRANCHES, SPECTRUM],
+                "branches with a time each, or a continuous spectrum between tau1 and tau2 (`branches` has no meaning then)",
+            ),
             choice("relaxing", &[ALL, FIBRES], "the whole isochoric stress relaxes, or the fibres' alone"),
         ]
     }
 
     /// The fibres alone, whose stress no matrix tempers; or two branches a decade apart around the
-    /// one that was found: tissue hardly relaxes with one time.
+    /// one that was found: tissue hardly relaxes with one time; or a spectrum of two decades around it.
     fn richer(&self, options: &Options, values: &[f64]) -> Vec<(Options, Vec<f64>)> {
         let relaxing = word(options, "relaxing", ALL);
         let mut forms = Vec::new();
+        let Times::Branches(branches) = times(options) else { return forms };
         if relaxing == ALL {
-            forms.push((settings(branches(options) as i64, FIBRES), values.to_vec()));
+            forms.push((settings(branches as i64, FIBRES), values.to_vec()));
         }
         if let [g, tau] = *values {
             let within = |tau: f64| tau.clamp(TAU_BOUNDS.0, TAU_BOUNDS.1);
             forms.push((settings(2, relaxing), vec![0.5 * g, within(tau / 3.0), 0.5 * g, within(3.0 * tau)]));
+            let mut spectrum = settings(1, relaxing);
+            spectrum.insert("relaxation".to_owned(), OptionValue::Text(SPECTRUM.to_owned()));
+            let (short, long) = (within(0.1 * tau), within(10.0 * tau));
+            forms.push((spectrum, vec![(g / (long / short).ln()).min(2.0), short, long]));
         }
         forms
     }
@@ -135,14 +126,14 @@ impl Effect for Viscoelastic {
     }
 
     fn act(&self, options: &Options, _piece: &Piece) -> Action {
-        let branches = branches(options);
+        let times = times(options);
         let fibres_alone = word(options, "relaxing", ALL) == FIBRES;
         Action::Bulk(Box::new(move |inner| {
             let base = base_law(&inner);
             let isochoric = Hgo { fibre_invariants: FibreInvariants::Isochoric, ..base };
             let fibres = fibres_alone.then_some(isochoric);
             let volume_matters = !fibres_alone && base.fibre_invariants == FibreInvariants::Full;
-            Arc::new(decorate(inner, Maxwell { branches, fibres, volume_matters }))
+            Arc::new(decorate(inner, Maxwell { times, fibres, volume_matters }))
         }))
     }
 }

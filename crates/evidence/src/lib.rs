@@ -1,0 +1,32 @@
+#![doc = include_str!("../README.md")]
+
+pub mod bic;
+mod decide;
+mod frontier;
+mod integral;
+mod intervals;
+mod linear;
+mod model;
+mod orthogonal;
+mod path;
+mod posterior;
+mod process;
+mod record;
+mod remains;
+mod rest;
+pub mod scores;
+pub mod special;
+mod truncated;
+
+pub use decide::{Decision, Verdict, decide};
+pub use frontier::{Extension, HOPELESS, LEFT, extend, hopeless, to_fit};
+pub use intervals::Interval;
+pub use linear::{Linear, Parameter};
+pub use model::{Evidence, Kernel, View, at_the_mode};
+pub use path::path;
+pub use posterior::{Brief, Judged, Posterior, SetPrior, SetProbability};
+pub use process::{Points, Process, RestSize};
+pub use record::{EvidenceError, Place, Record};
+pub use remains::{ExplainedTo, Remains, Share, remains};
+pub use rest::RestPrior;
+pub use truncated::Belief;

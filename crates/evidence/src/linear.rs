@@ -1,0 +1,222 @@
+//! A model near its fit: misfit, jacobian, beliefs; and the Gaussian integral over its parameters.
+
+use crate::record::{EvidenceError, Record, length};
+use crate::truncated::{Belief, ln_box};
+use inverse::{Free, Prediction};
+use nalgebra::{DMatrix, DVector};
+
+/// One parameter of a linearised model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Path in answers.
+    pub path: String,
+    /// Where the linearisation stands, in the coordinate of the parameter's transform.
+    pub at: f64,
+    /// What is believed of it, in the same coordinate.
+    pub belief: Belief,
+    /// Whether it is the amplitude of an effect: sensitivity doubles and halves the spread of these.
+    pub amplitude: bool,
+}
+
+/// A model linearised at a fit: y ≈ f(at) + H (z − at), misfit r = y − f(at).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Linear {
+    /// Misfit r of every point, full length n, units of the record.
+    pub misfit: DVector<f64>,
+    /// H, n × p, by the transformed coordinates.
+    pub jacobian: DMatrix<f64>,
+    /// The parameters in the order of the columns.
+    pub parameters: Vec<Parameter>,
+}
+
+impl Linear {
+    /// A fit: `theta` in physical units, the prediction with its jacobian there, one belief per free parameter,
+    /// and which of them are amplitudes of effects.
+    ///
+    /// # Errors
+    /// [`EvidenceError::Length`] when the parts disagree or the prediction has no jacobian.
+    pub fn at_fit(
+        measured: &DVector<f64>,
+        free: &[Free],
+        theta: &[f64],
+        prediction: &Prediction,
+        beliefs: &[(Belief, bool)],
+    ) -> Result<Self, EvidenceError> {
+        let p = free.len();
+        length("values of parameters", theta.len(), p)?;
+        length("beliefs", beliefs.len(), p)?;
+        length("prediction", prediction.values.len(), measured.len())?;
+        let raw = prediction.jacobian.as_ref();
+        length("columns of the jacobian", raw.map_or(0, DMatrix::ncols), p)?;
+        let mut jacobian = raw.cloned().unwrap_or_else(|| DMatrix::zeros(measured.len(), p));
+        let mut parameters = Vec::new();
+        for (k, f) in free.iter().enumerate() {
+            jacobian.column_mut(k).scale_mut(f.transform.slope(theta[k]));
+            let (belief, amplitude) = beliefs[k];
+            parameters.push(Parameter { path: f.path.clone(), at: f.forward(theta[k]), belief, amplitude });
+        }
+        Ok(Self { misfit: measured - &prediction.values, jacobian, parameters })
+    }
+
+    /// The same with further parameters whose columns stand at the same point: a superset without a fit of its own.
+    ///
+    /// # Errors
+    /// [`EvidenceError::Length`] when the columns do not fit.
+    pub fn with(&self, parameters: &[Parameter], columns: &DMatrix<f64>) -> Result<Self, EvidenceError> {
+        length("rows of further columns", columns.nrows(), self.jacobian.nrows())?;
+        length("further columns", columns.ncols(), parameters.len())?;
+        let p = self.jacobian.ncols();
+        let mut out = self.clone();
+        out.jacobian = out.jacobian.insert_columns(p, columns.ncols(), 0.0);
+        out.jacobian.columns_mut(p, columns.ncols()).copy_from(columns);
+        out.parameters.extend_from_slice(parameters);
+        Ok(out)
+    }
+
+    /// Checks shapes and numbers against a record.
+    pub(crate) fn check(&self, record: &Record) -> Result<(), EvidenceError> {
+        length("misfit", self.misfit.len(), record.full)?;
+        length("rows of the jacobian", self.jacobian.nrows(), record.full)?;
+        length("columns of the jacobian", self.jacobian.ncols(), self.parameters.len())?;
+        let finite = self.misfit.iter().chain(self.jacobian.iter()).all(|x| x.is_finite());
+        let bad = |what: &str, value| EvidenceError::Value {
+            what: what.into(),
+            value,
+            expected: "a finite number",
+        };
+        if !finite {
+            return Err(bad("a number of the misfit or jacobian", f64::NAN));
+        }
+        for p in &self.parameters {
+            let b = &p.belief;
+            if !(b.sd > 0.0
+                && b.sd.is_finite()
+                && b.mean.is_finite()
+                && b.lower < b.upper
+                && p.at.is_finite())
+            {
+                return Err(EvidenceError::Value {
+                    what: format!("belief of {}", p.path),
+                    value: b.sd,
+                    expected: "a finite mean, a positive sd, bounds in order",
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The whitened model reduced to a triangle: |L⁻¹(r − H x − E a)|² = |F (x, a, −1)|², F of q + 1 columns.
+#[derive(Clone, Debug)]
+pub(crate) struct Reduced {
+    pub factor: DMatrix<f64>,
+    pub ln_det: f64,
+    pub points: f64,
+}
+
+/// The Gaussian integral over all parameters at one covariance.
+#[derive(Clone, Debug)]
+pub(crate) struct Solved {
+    pub ln_z: f64,
+    /// From the point of linearisation to the mode, bounds left out of account.
+    pub step: DVector<f64>,
+    /// Upper triangle T with TᵀT = A.
+    pub root: DMatrix<f64>,
+}
+
+const LN_TAU: f64 = 1.837_877_066_409_345_3;
+
+impl Reduced {
+    /// ln ∫ p(r | x, a) p(x) p(a) dx da with noise and rest scaled by `kappa`, amplitudes' beliefs `wider`, and mesh factors
+    /// a ~ N(0, `mesh`²). In shares of the peak.
+    pub fn solve(&self, parameters: &[Parameter], wider: f64, kappa: f64, mesh: f64) -> Solved {
+        let q = self.factor.ncols() - 1;
+        let p = parameters.len();
+        let mut a = DMatrix::zeros(2 * q + 1, q + 1);
+        a.rows_mut(0, q + 1).copy_from(&(&self.factor / kappa));
+        let mut ln_sd = 0.0;
+        for k in 0..q {
+            let (mean, sd) = match parameters.get(k) {
+                Some(x) => (x.belief.mean - x.at, x.belief.sd * if x.amplitude { wider } else { 1.0 }),
+                None => (0.0, mesh),
+            };
+            a[(q + 1 + k, k)] = 1.0 / sd;
+            a[(q + 1 + k, q)] = mean / sd;
+            ln_sd += sd.ln();
+        }
+        let t = a.qr().r();
+        let root = t.view((0, 0), (q, q)).into_owned();
+        let rhs: DVector<f64> = t.view((0, q), (q, 1)).column(0).into_owned();
+        let step = root.solve_upper_triangular(&rhs).unwrap_or_else(|| DVector::zeros(q));
+        let ln_root: f64 = root.diagonal().iter().map(|d| d.abs().ln()).sum();
+        let ln_z = -0.5 * (t[(q, q)].powi(2) + self.ln_det + self.points * (LN_TAU + 2.0 * kappa.ln()))
+            - ln_root
+            - ln_sd;
+        let mut out = Solved { ln_z, step, root };
+        out.ln_z += out.ln_bounds(&parameters[..p], wider);
+        out
+    }
+}
+
+impl Solved {
+    /// (TᵀT)⁻¹.
+    pub fn covariance(&self) -> DMatrix<f64> {
+        let q = self.root.ncols();
+        let inverse = self.root.solve_upper_triangular(&DMatrix::identity(q, q));
+        inverse.map_or_else(|| DMatrix::zeros(q, q), |i| &i * i.transpose())
+    }
+
+    /// ln of what the bounds leave of the posterior, over what they leave of the beliefs.
+    fn ln_bounds(&self, parameters: &[Parameter], wider: f64) -> f64 {
+        let bounded = |p: &Parameter| p.belief.lower.is_finite() || p.belief.upper.is_finite();
+        if !parameters.iter().any(bounded) {
+            return 0.0;
+        }
+        let covariance = self.covariance();
+        let (mut which, mut bounds, mut before) = (Vec::new(), Vec::new(), 0.0);
+        for (k, p) in parameters.iter().enumerate().filter(|(_, p)| bounded(p)) {
+            let sd = p.belief.sd * if p.amplitude { wider } else { 1.0 };
+            before += Belief { sd, ..p.belief }.ln_mass();
+            let (here, spread) = (p.at + self.step[k], covariance[(k, k)].max(0.0).sqrt());
+            // Bounds that the posterior does not reach.
+            if here - 9.0 * spread < p.belief.lower || here + 9.0 * spread > p.belief.upper {
+                which.push(k);
+                bounds.push((p.belief.lower - here, p.belief.upper - here));
+            }
+        }
+        let c = DMatrix::from_fn(which.len(), which.len(), |i, j| covariance[(which[i], which[j])]);
+        ln_box(&DVector::zeros(which.len()), &c, &bounds) - before
+    }
+
+    /// The step to the mode within the bounds: what violates its bound most is put on it, until nothing does.
+    pub fn bounded_step(&self, parameters: &[Parameter]) -> DVector<f64> {
+        let covariance = self.covariance();
+        let mut step = self.step.clone();
+        let mut fixed: Vec<usize> = Vec::new();
+        for _ in 0..parameters.len() {
+            let over = |k: usize| {
+                let p = &parameters[k];
+                let x = p.at + step[k];
+                (p.belief.lower - x).max(x - p.belief.upper) / covariance[(k, k)].sqrt().max(1e-300)
+            };
+            let free = (0..parameters.len()).filter(|k| !fixed.contains(k));
+            let worst = free.max_by(|&i, &j| over(i).total_cmp(&over(j)));
+            match worst.filter(|&k| over(k) > 1e-9) {
+                Some(k) => fixed.push(k),
+                None => break,
+            }
+            // Conditional mean of the others with these on their bounds.
+            let c = DMatrix::from_fn(fixed.len(), fixed.len(), |i, j| covariance[(fixed[i], fixed[j])]);
+            let d = DVector::from_fn(fixed.len(), |i, _| {
+                let (p, x) = (&parameters[fixed[i]], self.step[fixed[i]]);
+                (p.at + x).clamp(p.belief.lower, p.belief.upper) - p.at - x
+            });
+            let Some(weights) = c.cholesky().map(|c| c.solve(&d)) else { break };
+            step = self.step.clone();
+            for (i, &k) in fixed.iter().enumerate() {
+                step += covariance.column(k) * weights[i];
+            }
+        }
+        step
+    }
+}

@@ -1,0 +1,349 @@
+//! Evidence of one model: the Gaussian integral over its parameters, integrated over the size of the rest.
+
+use crate::integral::lattice;
+use crate::linear::{Linear, Parameter, Reduced, Solved};
+use crate::orthogonal;
+use crate::process::{Process, RestSize};
+use crate::record::{EvidenceError, Record};
+use crate::rest::{RestPrior, SUPPORTS};
+use crate::special::ln_sum_exp;
+use nalgebra::{DMatrix, DVector};
+
+/// Which covariance the rest has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Kernel {
+    /// K: whatever the processes give (Kennedy & O'Hagan 2001).
+    #[default]
+    Plain,
+    /// K⊥: orthogonal to what the parameters can do (Plumlee 2017).
+    Orthogonal,
+}
+
+/// What an evidence is asked under: priors as given, or changed for sensitivity.
+#[derive(Clone, Debug)]
+pub struct View<'a> {
+    /// Prior of the rest.
+    pub rest: &'a RestPrior,
+    /// Factor on the spread of every amplitude's belief.
+    pub amplitude: f64,
+}
+
+/// Where a noise level estimated with fewer degrees of freedom than this is integrated over.
+const KNOWN: f64 = 1e4;
+
+/// The two-point Gauss–Legendre rule for the mesh error's scale in [0, 1].
+const MESH_SCALES: [f64; 2] = [0.211_324_865_405, 0.788_675_134_595];
+
+/// One size of the rest.
+#[derive(Clone, Debug)]
+pub(crate) struct Node {
+    pub size: RestSize,
+    pub support: usize,
+    /// ln of (prior mass of the lengths × volume in (ln τ, ln υ)).
+    pub ln_volume: f64,
+    reduced: Reduced,
+}
+
+/// The evidence of a model, with everything to ask it again under other priors.
+#[derive(Clone, Debug)]
+pub struct Evidence {
+    /// ln Z: density of the records under the model, its rest being that of a complete model.
+    pub ln_z: f64,
+    /// ln Z where the rest holds a cause outside the catalogue.
+    pub ln_z_else: f64,
+    /// How far the mode is from the point of linearisation: largest |step| of a parameter in its posterior
+    /// standard deviations. Above 1 the linearisation is void: compute the model at `mode` and ask again.
+    pub moved: f64,
+    /// Mode of the parameters in the coordinates of their transforms, averaged over the sizes of the rest.
+    pub mode: Vec<f64>,
+    pub(crate) parameters: Vec<Parameter>,
+    pub(crate) nodes: Vec<Node>,
+    kappas: Vec<(f64, f64)>,
+    meshes: usize,
+    ln_units: f64,
+}
+
+/// Columns [H | mesh | r] in shares of the peak.
+pub(crate) fn columns(record: &Record, linear: &Linear) -> DMatrix<f64> {
+    let p = linear.parameters.len();
+    let mut x = DMatrix::zeros(record.used, p + record.mesh.len() + 1);
+    for k in 0..p {
+        let share = record.shares(&linear.jacobian.column(k).into_owned());
+        x.column_mut(k).copy_from_slice(&share);
+    }
+    for (k, e) in record.mesh.iter().enumerate() {
+        x.column_mut(p + k).copy_from_slice(e);
+    }
+    let last = x.ncols() - 1;
+    x.column_mut(last).copy_from_slice(&record.shares(&linear.misfit));
+    x
+}
+
+fn reduce(record: &Record, x: &DMatrix<f64>, parameters: usize, size: RestSize, kernel: Kernel) -> Reduced {
+    let processes: Vec<Process<'_>> = record.blocks.iter().map(|b| Process::new(&b.points, size)).collect();
+    let mut ln_det: f64 = processes.iter().map(|p| p.ln_det).sum();
+    let mut white = x.clone();
+    for mut column in white.column_iter_mut() {
+        let mut left = column.as_mut_slice();
+        for (block, process) in record.blocks.iter().zip(&processes) {
+            let (here, rest) = left.split_at_mut(block.rows.len());
+            process.whiten(here);
+            left = rest;
+        }
+    }
+    let orthogonal = kernel == Kernel::Orthogonal && (size.tau > 0.0 || size.upsilon > 0.0) && parameters > 0;
+    if let Some((rows, ln)) =
+        orthogonal.then(|| orthogonal::rows(record, &processes, x, parameters)).flatten()
+    {
+        let n = white.nrows();
+        white = white.insert_rows(n, rows.nrows(), 0.0);
+        white.rows_mut(n, rows.nrows()).copy_from(&rows);
+        ln_det += ln;
+    }
+    let q = x.ncols();
+    if white.nrows() < q {
+        let n = white.nrows();
+        white = white.insert_rows(n, q - n, 0.0);
+    }
+    Reduced { factor: white.qr().r(), ln_det, points: record.used as f64 }
+}
+
+/// Scales κ of the noise's level with the logarithms of their masses: ln κ normal with the standard error that the level was
+/// estimated with. C(κσ, κτ, κυ) = κ²C(σ, τ, υ), so that no covariance is computed anew.
+fn kappas(record: &Record) -> Vec<(f64, f64)> {
+    if record.freedom >= KNOWN {
+        return vec![(1.0, 0.0)];
+    }
+    let sd = (0.5 / record.freedom.max(1.0)).sqrt();
+    // As fine as the record itself knows its level, so that no peak falls between two nodes.
+    let step = sd.min((0.5 / record.used as f64).sqrt()).max(sd / 5.0);
+    let most = (4.0 * sd / step).ceil() as i32;
+    let z = |k: i32| f64::from(k) * step / sd;
+    let norm = ln_sum_exp((-most..=most).map(|k| -0.5 * z(k) * z(k)).collect::<Vec<_>>());
+    (-most..=most).map(|k| ((f64::from(k) * step).exp(), -0.5 * z(k) * z(k) - norm)).collect()
+}
+
+impl Evidence {
+    /// The evidence of a linearised model.
+    ///
+    /// # Errors
+    /// [`EvidenceError`] when shapes disagree or a number cannot be used.
+    pub fn of(
+        record: &Record,
+        linear: &Linear,
+        rest: &RestPrior,
+        kernel: Kernel,
+    ) -> Result<Self, EvidenceError> {
+        linear.check(record)?;
+        let x = columns(record, linear);
+        let mut out = Self::empty(record, linear);
+        let view = View { rest, amplitude: 1.0 };
+        let p = linear.parameters.len();
+        for (support, [smooth, jerk]) in SUPPORTS.into_iter().enumerate() {
+            let one = [(RestSize::NONE.smooth_length, 1.0)];
+            for &(l1, m1) in if smooth { rest.smooth_lengths.as_slice() } else { &one } {
+                for &(l2, m2) in if jerk { rest.jerk_lengths.as_slice() } else { &one } {
+                    let lengths = RestSize { tau: 0.0, upsilon: 0.0, smooth_length: l1, jerk_length: l2 };
+                    out.integrate(record, &x, p, kernel, &view, (support, lengths, (m1 * m2).ln()));
+                }
+            }
+        }
+        [out.ln_z, out.ln_z_else] = out.under(&view);
+        (out.mode, out.moved) = out.modes(&view);
+        Ok(out)
+    }
+
+    /// The evidence on a few sizes of the rest alone: none, then τ, υ and both at multiples of their scales. Good for comparing
+    /// models that leave about the same; no integral.
+    pub(crate) fn on(
+        record: &Record,
+        linear: &Linear,
+        rest: &RestPrior,
+        kernel: Kernel,
+        multiples: &[f64],
+    ) -> Result<Self, EvidenceError> {
+        linear.check(record)?;
+        let x = columns(record, linear);
+        let mut out = Self::empty(record, linear);
+        let p = linear.parameters.len();
+        let first = |l: &[(f64, f64)]| l.first().map_or(0.2, |l| l.0);
+        let (l1, l2) = (first(&rest.smooth_lengths), first(&rest.jerk_lengths));
+        for (support, [smooth, jerk]) in SUPPORTS.into_iter().enumerate() {
+            for &m in if support == 0 { &[1.0] } else { multiples } {
+                let size = |there: bool, scale: f64| if there { m * scale } else { 0.0 };
+                let size = RestSize {
+                    tau: size(smooth, rest.smooth),
+                    upsilon: size(jerk, rest.jerk),
+                    smooth_length: l1,
+                    jerk_length: l2,
+                };
+                let reduced = reduce(record, &x, p, size, kernel);
+                out.nodes.push(Node { size, support, ln_volume: 0.0, reduced });
+            }
+        }
+        Ok(out)
+    }
+
+    /// ln Z at one size of the rest, noise as estimated.
+    ///
+    /// # Errors
+    /// As [`Evidence::of`].
+    pub fn at_size(
+        record: &Record,
+        linear: &Linear,
+        size: RestSize,
+        kernel: Kernel,
+    ) -> Result<f64, EvidenceError> {
+        linear.check(record)?;
+        let x = columns(record, linear);
+        let reduced = reduce(record, &x, linear.parameters.len(), size, kernel);
+        Ok(reduced.solve(&linear.parameters, 1.0, 1.0, 1.0).ln_z - record.ln_units)
+    }
+
+    fn empty(record: &Record, linear: &Linear) -> Self {
+        Self {
+            ln_z: 0.0,
+            ln_z_else: 0.0,
+            moved: 0.0,
+            mode: Vec::new(),
+            parameters: linear.parameters.clone(),
+            nodes: Vec::new(),
+            kappas: kappas(record),
+            meshes: record.mesh.len(),
+            ln_units: record.ln_units,
+        }
+    }
+
+    /// Adds the nodes of one support and one pair of lengths.
+    fn integrate(
+        &mut self,
+        record: &Record,
+        x: &DMatrix<f64>,
+        p: usize,
+        kernel: Kernel,
+        view: &View<'_>,
+        (support, lengths, ln_mass): (usize, RestSize, f64),
+    ) {
+        let [smooth, jerk] = SUPPORTS[support];
+        let size = |y: [f64; 2]| match (smooth, jerk) {
+            (false, false) => lengths,
+            (true, false) => RestSize { tau: y[0].exp(), ..lengths },
+            (false, true) => RestSize { upsilon: y[0].exp(), ..lengths },
+            (true, true) => RestSize { tau: y[0].exp(), upsilon: y[1].exp(), ..lengths },
+        };
+        let node = |y: [f64; 2], ln_volume: f64| {
+            let size = size(y);
+            Node { size, support, ln_volume, reduced: reduce(record, x, p, size, kernel) }
+        };
+        let first = if smooth { view.rest.smooth } else { view.rest.jerk };
+        let start = [(0.5 * first).ln(), (0.5 * view.rest.jerk).ln()];
+        let mut seen: Vec<([f64; 2], Node)> = Vec::new();
+        let dimensions = usize::from(smooth) + usize::from(jerk);
+        let cells = lattice(dimensions, start, |y| {
+            let at = node(y, 0.0);
+            let [own, other] = self.node_value(&at, view);
+            seen.push((y, at));
+            // Both are wanted on the same points, where either counts.
+            ln_sum_exp([own, other - 2.0])
+        });
+        for (y, volume) in cells {
+            let known = seen.iter().position(|(s, _)| *s == y);
+            let mut at = known.map_or_else(|| node(y, 0.0), |k| seen.swap_remove(k).1);
+            at.ln_volume = ln_mass + volume;
+            self.nodes.push(at);
+        }
+    }
+
+    /// ln of the integrand at a node, of a complete model's rest and of one with a cause outside the catalogue.
+    fn node_value(&self, node: &Node, view: &View<'_>) -> [f64; 2] {
+        let mut parts = [Vec::new(), Vec::new()];
+        for &(kappa, ln_kappa) in &self.kappas {
+            let density =
+                view.rest.density(SUPPORTS[node.support], [kappa * node.size.tau, kappa * node.size.upsilon]);
+            let scales = if self.meshes > 0 { MESH_SCALES.as_slice() } else { &[1.0] };
+            let each =
+                scales.iter().map(|&c| node.reduced.solve(&self.parameters, view.amplitude, kappa, c).ln_z);
+            let ln_z = ln_sum_exp(each.collect::<Vec<_>>()) - (scales.len() as f64).ln();
+            for (part, d) in parts.iter_mut().zip(density) {
+                part.push(ln_kappa + d.ln() + ln_z);
+            }
+        }
+        parts.map(|p| node.ln_volume - self.ln_units + ln_sum_exp(p))
+    }
+
+    /// ln Z under other priors, of a complete model's rest and of one with a cause outside the catalogue. The sizes of the
+    /// rest are those that the evidence was computed on.
+    pub fn under(&self, view: &View<'_>) -> [f64; 2] {
+        let all: Vec<[f64; 2]> = self.nodes.iter().map(|n| self.node_value(n, view)).collect();
+        [0, 1].map(|k| ln_sum_exp(all.iter().map(|v| v[k]).collect::<Vec<_>>()))
+    }
+
+    /// Nodes with the share of the posterior that each holds, both kinds of rest together; `beyond` is the prior mass of the second.
+    pub(crate) fn weights(&self, view: &View<'_>, beyond: f64) -> Vec<f64> {
+        let ln: Vec<f64> = self
+            .nodes
+            .iter()
+            .map(|n| {
+                let [own, other] = self.node_value(n, view);
+                ln_sum_exp([own + (1.0 - beyond).ln(), other + beyond.ln()])
+            })
+            .collect();
+        let sum = ln_sum_exp(ln.clone());
+        ln.iter().map(|x| (x - sum).exp()).collect()
+    }
+
+    /// The solution at a node, noise as estimated, the mesh's error with half its scale.
+    pub(crate) fn solved(&self, node: usize) -> Solved {
+        self.nodes[node].reduced.solve(&self.parameters, 1.0, 1.0, 0.5)
+    }
+
+    fn modes(&self, view: &View<'_>) -> (Vec<f64>, f64) {
+        let weights = self.weights(view, 0.0);
+        let p = self.parameters.len();
+        let (mut mode, mut moved) = (DVector::zeros(p), 0.0f64);
+        for (k, w) in weights.iter().enumerate().filter(|(_, w)| **w > 1e-4) {
+            let solved = self.solved(k);
+            let (step, covariance) = (solved.bounded_step(&self.parameters), solved.covariance());
+            let far =
+                (0..p).map(|i| step[i].abs() / covariance[(i, i)].sqrt().max(1e-300)).fold(0.0, f64::max);
+            moved += w * far;
+            mode += step.rows(0, p) * *w;
+        }
+        (self.parameters.iter().zip(mode.iter()).map(|(q, s)| q.at + s).collect(), moved)
+    }
+
+    /// Parameters of the model.
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    /// How many sizes of the rest were looked at.
+    pub fn sizes(&self) -> usize {
+        self.nodes.len()
+    }
+}
+
+/// Computes the evidence at the mode: `relinearise` gives the model at a point (coordinates of the transforms); asked again from the
+/// mode until it moves by less than `within` standard deviations, at most `rounds` times. The evidence and whether it stands.
+///
+/// # Errors
+/// [`EvidenceError`], or what `relinearise` says.
+pub fn at_the_mode<E: From<EvidenceError>>(
+    record: &Record,
+    start: Linear,
+    rest: &RestPrior,
+    kernel: Kernel,
+    (rounds, within): (usize, f64),
+    mut relinearise: impl FnMut(&[f64]) -> Result<Linear, E>,
+) -> Result<(Evidence, bool), E> {
+    let mut evidence = Evidence::of(record, &start, rest, kernel)?;
+    for _ in 0..rounds {
+        if evidence.moved <= within {
+            return Ok((evidence, true));
+        }
+        let linear = relinearise(&evidence.mode)?;
+        evidence = Evidence::of(record, &linear, rest, kernel)?;
+    }
+    let stands = evidence.moved <= within;
+    Ok((evidence, stands))
+}

@@ -1,0 +1,330 @@
+//! Noise and rest of one block as a Gaussian process with memory of four numbers, so that its covariance
+//!
+//! C = R (AR(1)) + τ² Matérn-3/2(ℓ₁) + υ² Ornstein–Uhlenbeck(ℓ₂)
+//!
+//! is whitened, inverted and sampled in time proportional to the number of points (Hartikainen & Särkkä 2010): a Kalman
+//! filter's innovations, divided by their standard deviations, are L⁻¹v with C = L Lᵀ, exactly; the adjoint of
+//! the filter is L⁻ᵀ. State: Matérn x and x'/λ, Ornstein–Uhlenbeck, AR(1) noise.
+
+use inverse::Random;
+
+/// Correlation length and size of the two parts of the rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RestSize {
+    /// Standard deviation of the smooth part, share of the peak.
+    pub tau: f64,
+    /// Standard deviation of the jerks, share of the peak.
+    pub upsilon: f64,
+    /// Length ℓ of the smooth part, share of the record; Matérn (1 + √3 d/ℓ) e^{−√3 d/ℓ}.
+    pub smooth_length: f64,
+    /// Length of the jerks, share of the record; e^{−d/ℓ}.
+    pub jerk_length: f64,
+}
+
+impl RestSize {
+    /// No rest: noise alone.
+    pub const NONE: Self = Self { tau: 0.0, upsilon: 0.0, smooth_length: 0.2, jerk_length: 0.014 };
+
+    /// Covariance of the rest at path distance `d ≥ 0`.
+    pub fn covariance(&self, d: f64) -> f64 {
+        let a = 3f64.sqrt() * d / self.smooth_length;
+        self.tau.powi(2) * (1.0 + a) * (-a).exp() + self.upsilon.powi(2) * (-d / self.jerk_length).exp()
+    }
+}
+
+/// Points of a block in order: path coordinates, gaps in sampling, noise; all in shares of the peak.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Points {
+    /// Path coordinate of each point, not decreasing.
+    pub s: Vec<f64>,
+    /// Sampling steps since the point before (1 where none is missing); the first is not used.
+    pub gap: Vec<u32>,
+    /// Noise standard deviation of one point.
+    pub sd: f64,
+    /// Correlation of neighbouring samples, −1 < ar1 < 1.
+    pub ar1: f64,
+}
+
+type Vec4 = [f64; 4];
+
+/// One step of the filter: transition, gain, 1/√S.
+#[derive(Clone, Copy)]
+struct Step {
+    matern: [f64; 4],
+    jerk: f64,
+    noise: f64,
+    gain: Vec4,
+    weight: f64,
+}
+
+impl Step {
+    #[inline(always)]
+    fn forward(&self, m: &Vec4) -> Vec4 {
+        let a = &self.matern;
+        [a[0] * m[0] + a[1] * m[1], a[2] * m[0] + a[3] * m[1], self.jerk * m[2], self.noise * m[3]]
+    }
+
+    #[inline(always)]
+    fn backward(&self, m: &Vec4) -> Vec4 {
+        let a = &self.matern;
+        [a[0] * m[0] + a[2] * m[1], a[1] * m[0] + a[3] * m[1], self.jerk * m[2], self.noise * m[3]]
+    }
+}
+
+/// The covariance of one block, ready to whiten.
+pub struct Process<'a> {
+    points: &'a Points,
+    size: RestSize,
+    steps: Vec<Step>,
+    /// ln |C|.
+    pub ln_det: f64,
+}
+
+fn transition(points: &Points, size: &RestSize, k: usize) -> Step {
+    let zero = Step { matern: [0.0; 4], jerk: 0.0, noise: 0.0, gain: [0.0; 4], weight: 0.0 };
+    if k == 0 {
+        return zero;
+    }
+    let d = (points.s[k] - points.s[k - 1]).max(0.0);
+    let a = 3f64.sqrt() * d / size.smooth_length;
+    let e = (-a).exp();
+    Step {
+        matern: [e * (1.0 + a), e * a, -e * a, e * (1.0 - a)],
+        jerk: (-d / size.jerk_length).exp(),
+        noise: points.ar1.powi(i32::try_from(points.gap[k]).unwrap_or(i32::MAX)),
+        ..zero
+    }
+}
+
+/// A P Aᵀ + P∞ − A P∞ Aᵀ: the stationary covariance is kept by every step.
+fn predicted(step: &Step, p: &[Vec4; 4], at_rest: &Vec4) -> [Vec4; 4] {
+    let mut rows = [[0.0; 4]; 4];
+    for (i, row) in rows.iter_mut().enumerate() {
+        let mut excess = p[i];
+        excess[i] -= at_rest[i];
+        *row = step.forward(&excess);
+    }
+    let mut out = [[0.0; 4]; 4];
+    for j in 0..4 {
+        let column = step.forward(&[rows[0][j], rows[1][j], rows[2][j], rows[3][j]]);
+        for i in 0..4 {
+            out[i][j] = column[i];
+        }
+        out[j][j] += at_rest[j];
+    }
+    out
+}
+
+impl<'a> Process<'a> {
+    /// The covariance of these points.
+    pub fn new(points: &'a Points, size: RestSize) -> Self {
+        let at_rest = [size.tau, size.tau, size.upsilon, points.sd].map(|x| x * x);
+        let mut p = [[0.0; 4]; 4];
+        for (i, v) in at_rest.iter().enumerate() {
+            p[i][i] = *v;
+        }
+        let (mut steps, mut ln_det) = (Vec::with_capacity(points.s.len()), 0.0);
+        for k in 0..points.s.len() {
+            let mut step = transition(points, &size, k);
+            if k > 0 {
+                p = predicted(&step, &p, &at_rest);
+            }
+            let seen: Vec4 = std::array::from_fn(|i| p[i][0] + p[i][2] + p[i][3]);
+            let variance = (seen[0] + seen[2] + seen[3]).max(f64::MIN_POSITIVE);
+            step.gain = seen.map(|x| x / variance);
+            step.weight = variance.sqrt().recip();
+            ln_det += variance.ln();
+            for (row, gain) in p.iter_mut().zip(step.gain) {
+                for (x, seen) in row.iter_mut().zip(seen) {
+                    *x -= gain * seen;
+                }
+            }
+            steps.push(step);
+        }
+        Self { points, size, steps, ln_det }
+    }
+
+    /// L⁻¹ v, in place.
+    pub fn whiten(&self, v: &mut [f64]) {
+        let mut m = [0.0; 4];
+        for (x, step) in v.iter_mut().zip(&self.steps) {
+            m = step.forward(&m);
+            let innovation = *x - (m[0] + m[2] + m[3]);
+            for (m, gain) in m.iter_mut().zip(&step.gain) {
+                *m += gain * innovation;
+            }
+            *x = innovation * step.weight;
+        }
+    }
+
+    /// L⁻ᵀ w, in place.
+    pub fn whiten_transposed(&self, w: &mut [f64]) {
+        let mut m = [0.0; 4];
+        for (x, step) in w.iter_mut().zip(&self.steps).rev() {
+            let bar = *x * step.weight + (0..4).map(|i| step.gain[i] * m[i]).sum::<f64>();
+            *x = bar;
+            for i in [0, 2, 3] {
+                m[i] -= bar;
+            }
+            m = step.backward(&m);
+        }
+    }
+
+    /// C⁻¹ v, in place.
+    pub fn solve(&self, v: &mut [f64]) {
+        self.whiten(v);
+        self.whiten_transposed(v);
+    }
+
+    /// R v: the noise's covariance times a vector.
+    pub fn noise_times(&self, v: &[f64]) -> Vec<f64> {
+        let variance = self.points.sd.powi(2);
+        self.two_way(v, |step, sum, x| [step.noise * (sum[0] + x), 0.0], |sum| variance * sum[0], variance)
+    }
+
+    /// K v: the rest's covariance times a vector.
+    pub fn rest_times(&self, v: &[f64]) -> Vec<f64> {
+        let (smooth, jerk) = (self.size.tau.powi(2), self.size.upsilon.powi(2));
+        // Matérn: Σ (1 + a) e^{−a} v with a growing along the path: carry Σ e^{−a} v and Σ a e^{−a} v.
+        let matern = |step: &Step, sum: [f64; 2], x: f64| {
+            let (e, ea) = (step.matern[0] - step.matern[1], step.matern[1]);
+            [e * (sum[0] + x), e * sum[1] + ea * (sum[0] + x)]
+        };
+        let mut out = self.two_way(v, matern, |sum| smooth * (sum[0] + sum[1]), smooth);
+        let ou = |step: &Step, sum: [f64; 2], x: f64| [step.jerk * (sum[0] + x), 0.0];
+        let jerks = self.two_way(v, ou, |sum| jerk * sum[0], jerk);
+        out.iter_mut().zip(jerks).for_each(|(a, b)| *a += b);
+        out
+    }
+
+    /// What comes from the points before, then from those behind, and the diagonal once.
+    fn two_way(
+        &self,
+        v: &[f64],
+        carry: impl Fn(&Step, [f64; 2], f64) -> [f64; 2],
+        take: impl Fn([f64; 2]) -> f64,
+        diagonal: f64,
+    ) -> Vec<f64> {
+        let n = v.len();
+        let mut out: Vec<f64> = v.iter().map(|x| diagonal * x).collect();
+        let mut sum = [0.0; 2];
+        for k in 1..n {
+            sum = carry(&self.steps[k], sum, v[k - 1]);
+            out[k] += take(sum);
+        }
+        sum = [0.0; 2];
+        for k in (1..n).rev() {
+            sum = carry(&self.steps[k], sum, v[k]);
+            out[k - 1] += take(sum);
+        }
+        out
+    }
+
+    /// One draw of the rest and one of the noise.
+    pub fn draw(&self, random: &mut Random) -> (Vec<f64>, Vec<f64>) {
+        let (mut rest, mut noise) = (Vec::new(), Vec::new());
+        let (t, u, sd) = (self.size.tau, self.size.upsilon, self.points.sd);
+        let mut m: Vec4 = std::array::from_fn(|_| random.normal());
+        for (k, step) in self.steps.iter().enumerate() {
+            if k > 0 {
+                let a = &step.matern;
+                // Cholesky of I − A Aᵀ; differences of nearly equal numbers may fall below zero.
+                let q00 = (1.0 - a[0] * a[0] - a[1] * a[1]).max(0.0);
+                let q01 = -(a[0] * a[2] + a[1] * a[3]);
+                let q11 = (1.0 - a[2] * a[2] - a[3] * a[3]).max(0.0);
+                let l00 = q00.sqrt();
+                let l10 = if l00 > 0.0 { q01 / l00 } else { 0.0 };
+                let (x, y) = (random.normal(), random.normal());
+                let fresh = |phi: f64, z: f64| (1.0 - phi * phi).max(0.0).sqrt() * z;
+                let (ou, ar) = (fresh(step.jerk, random.normal()), fresh(step.noise, random.normal()));
+                m = step.forward(&m);
+                m[0] += l00 * x;
+                m[1] += l10 * x + (q11 - l10 * l10).max(0.0).sqrt() * y;
+                m[2] += ou;
+                m[3] += ar;
+            }
+            rest.push(t * m[0] + u * m[2]);
+            noise.push(sd * m[3]);
+        }
+        (rest, noise)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+
+    fn points(ar1: f64) -> Points {
+        let s: Vec<f64> = (0..40).map(|i| (f64::from(i) / 39.0).powf(1.3)).collect();
+        let gap = (0..40).map(|i| if i == 17 { 4 } else { 1 }).collect();
+        Points { s, gap, sd: 0.01, ar1 }
+    }
+
+    fn dense(p: &Points, size: &RestSize) -> (DMatrix<f64>, DMatrix<f64>) {
+        let at: Vec<i32> = p
+            .gap
+            .iter()
+            .enumerate()
+            .scan(0, |a, (k, g)| {
+                *a += if k > 0 { *g as i32 } else { 0 };
+                Some(*a)
+            })
+            .collect();
+        let n = p.s.len();
+        let r = DMatrix::from_fn(n, n, |i, j| p.sd.powi(2) * p.ar1.powi((at[i] - at[j]).abs()));
+        let k = DMatrix::from_fn(n, n, |i, j| size.covariance((p.s[i] - p.s[j]).abs()));
+        (r, k)
+    }
+
+    #[test]
+    fn filter_and_dense_matrices_agree() {
+        let sizes = [
+            RestSize::NONE,
+            RestSize { tau: 0.03, ..RestSize::NONE },
+            RestSize { upsilon: 0.02, ..RestSize::NONE },
+            RestSize { tau: 0.3, upsilon: 0.004, smooth_length: 0.1, jerk_length: 0.02 },
+        ];
+        for (size, ar1) in sizes.iter().flat_map(|s| [0.0, 0.6, -0.4].map(|a| (*s, a))) {
+            let p = points(ar1);
+            let process = Process::new(&p, size);
+            let (r, k) = dense(&p, &size);
+            let chol = (&r + &k).cholesky().expect("positive");
+            let want: f64 = 2.0 * chol.l().diagonal().iter().map(|d| d.ln()).sum::<f64>();
+            assert!((process.ln_det - want).abs() < 1e-8 * want.abs(), "{} {want}", process.ln_det);
+            let v = DVector::from_fn(40, |i, _| (0.3 * i as f64).sin() + 0.2);
+            let mut w = v.as_slice().to_vec();
+            process.whiten(&mut w);
+            let q = w.iter().map(|x| x * x).sum::<f64>();
+            assert!((q - v.dot(&chol.solve(&v))).abs() < 1e-7 * q, "{q}");
+            let mut solved = v.as_slice().to_vec();
+            process.solve(&mut solved);
+            let error = DVector::from_vec(solved) - chol.solve(&v);
+            assert!(error.norm() < 1e-7 * chol.solve(&v).norm());
+            let close = |a: Vec<f64>, b: DVector<f64>| {
+                (DVector::from_vec(a) - &b).norm() <= 1e-12 * (1e-9 + b.norm())
+            };
+            assert!(close(process.noise_times(v.as_slice()), &r * &v));
+            assert!(close(process.rest_times(v.as_slice()), &k * &v));
+        }
+    }
+
+    #[test]
+    fn draws_have_the_covariance() {
+        let p = points(0.5);
+        let size = RestSize { tau: 0.03, upsilon: 0.02, smooth_length: 0.3, jerk_length: 0.05 };
+        let (r, k) = dense(&p, &size);
+        let process = Process::new(&p, size);
+        let mut random = Random::new(4);
+        let (mut sum, mut noise) = (DMatrix::zeros(40, 40), DMatrix::zeros(40, 40));
+        let draws = 20_000;
+        for _ in 0..draws {
+            let (d, e) = process.draw(&mut random);
+            let (d, e) = (DVector::from_vec(d), DVector::from_vec(e));
+            sum += &d * d.transpose();
+            noise += &e * e.transpose();
+        }
+        let far = |a: DMatrix<f64>, b: &DMatrix<f64>| (a / f64::from(draws) - b).abs().max() / b.max();
+        assert!(far(sum, &k) < 0.04 && far(noise, &r) < 0.04);
+    }
+}

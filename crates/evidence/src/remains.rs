@@ -1,0 +1,137 @@
+//! How much is left: the rest itself, drawn from its posterior.
+
+use crate::linear::Linear;
+use crate::model::{Evidence, View, columns};
+use crate::process::Process;
+use crate::record::Record;
+use crate::rest::RestPrior;
+use inverse::Random;
+use nalgebra::DVector;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// A share of the peak with its interval.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Share {
+    /// Median of the root mean square of the rest, share of the peak.
+    pub share_of_peak: f64,
+    /// 95 % interval.
+    pub interval_95: [f64; 2],
+}
+
+/// What a model leaves unexplained beyond noise.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Remains {
+    /// Over all tests.
+    #[serde(flatten)]
+    pub all: Share,
+    /// For each test.
+    pub tests: BTreeMap<String, Share>,
+    /// Posterior probability that nothing at all is left.
+    #[serde(skip)]
+    pub none: f64,
+}
+
+/// What a record is explained to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ExplainedTo {
+    /// Noise (and the mesh) explain what is left.
+    Noise,
+    /// The rest is no larger than a complete model of such a test leaves in practice.
+    Practice,
+    /// It is larger.
+    Not,
+}
+
+impl Remains {
+    /// `practice`: the largest share of the peak that a complete model leaves (`[diagnose] practice`, 0.02).
+    pub fn explained_to(&self, practice: f64) -> ExplainedTo {
+        if self.none >= 0.5 {
+            ExplainedTo::Noise
+        } else if self.all.share_of_peak <= practice {
+            ExplainedTo::Practice
+        } else {
+            ExplainedTo::Not
+        }
+    }
+}
+
+const DRAWS: usize = 400;
+
+/// Draws the rest of a model from its posterior. Sizes of the rest are taken in proportion to their weights; given one, parameters from their
+/// normal posterior, and the rest by correcting a draw from the prior with what it gets wrong (Matheron's
+/// rule): δ = δ* + K C⁻¹(r − Hx − δ* − ε*), K C⁻¹u = u − R C⁻¹u. The same numbers on every call.
+pub fn remains(
+    record: &Record,
+    linear: &Linear,
+    evidence: &Evidence,
+    rest: &RestPrior,
+    beyond: f64,
+) -> Remains {
+    let x = columns(record, linear);
+    let weights = evidence.weights(&View { rest, amplitude: 1.0 }, beyond);
+    let none: f64 = weights.iter().zip(&evidence.nodes).filter(|(_, n)| n.support == 0).map(|(w, _)| w).sum();
+    let mut random = Random::new(20_260_727);
+    let mut names: Vec<&str> = record.blocks.iter().map(|b| b.test.as_str()).collect();
+    names.dedup();
+    let (mut all, mut each) = (Vec::new(), vec![Vec::new(); names.len()]);
+    let (mut node, mut below) = (0, weights.first().copied().unwrap_or(1.0));
+    for k in 0..DRAWS {
+        let u = (k as f64 + 0.5) / DRAWS as f64;
+        while below < u && node + 1 < weights.len() {
+            node += 1;
+            below += weights[node];
+        }
+        let squares = one_draw(record, &x, evidence, node, &mut random);
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (name, shares) in names.iter().zip(&mut each) {
+            let of = record.blocks.iter().zip(&squares).filter(|(b, _)| b.test == *name);
+            let (s, n) = of.fold((0.0, 0.0), |(s, n), (b, q)| (s + q, n + b.rows.len() as f64));
+            shares.push(f64::sqrt(s / f64::max(n, 1.0)));
+            (sum, count) = (sum + s, count + n);
+        }
+        all.push(f64::sqrt(sum / f64::max(count, 1.0)));
+    }
+    let tests = names.iter().zip(each).map(|(n, s)| ((*n).to_owned(), share(s))).collect();
+    Remains { all: share(all), tests, none }
+}
+
+/// Sum of squares of the rest in each block.
+fn one_draw(
+    record: &Record,
+    x: &nalgebra::DMatrix<f64>,
+    evidence: &Evidence,
+    node: usize,
+    random: &mut Random,
+) -> Vec<f64> {
+    let size = evidence.nodes[node].size;
+    if evidence.nodes[node].support == 0 {
+        return vec![0.0; record.blocks.len()];
+    }
+    let solved = evidence.solved(node);
+    let q = x.ncols() - 1;
+    let z = random.normals(q);
+    let spread = solved.root.solve_upper_triangular(&z).unwrap_or_else(|| DVector::zeros(q));
+    let u = x.column(q) - x.columns(0, q) * (&solved.step + spread);
+    let mut at = 0;
+    let mut squares = Vec::new();
+    for block in &record.blocks {
+        let n = block.rows.len();
+        let process = Process::new(&block.points, size);
+        let (prior, noise) = process.draw(random);
+        let wrong: Vec<f64> = (0..n).map(|i| u[at + i] - prior[i] - noise[i]).collect();
+        let mut solved = wrong.clone();
+        process.solve(&mut solved);
+        let back = process.noise_times(&solved);
+        squares.push((0..n).map(|i| (prior[i] + wrong[i] - back[i]).powi(2)).sum());
+        at += n;
+    }
+    squares
+}
+
+fn share(mut values: Vec<f64>) -> Share {
+    values.sort_by(f64::total_cmp);
+    let at = |p: f64| values.get((p * values.len() as f64) as usize).copied().unwrap_or(0.0);
+    Share { share_of_peak: at(0.5), interval_95: [at(0.025), at(0.975)] }
+}

@@ -1,0 +1,109 @@
+//! What is believed of the rest: the part of a record that no model of the catalogue describes.
+
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+/// Prior of the size of the rest. `Default` is the method's sentence: a complete model of such a test is off by a percent or two.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RestPrior {
+    /// Scale of the half-normal prior of the smooth part's size τ, share of the peak (`[diagnose] rest`).
+    pub smooth: f64,
+    /// The same of the jerks' size υ.
+    pub jerk: f64,
+    /// Prior mass at zero, of each.
+    pub zero: f64,
+    /// Lengths ℓ₁ of the smooth part, share of the record, with their prior masses.
+    pub smooth_lengths: Vec<(f64, f64)>,
+    /// Lengths ℓ₂ of the jerks.
+    pub jerk_lengths: Vec<(f64, f64)>,
+    /// Median of the size that a cause outside the catalogue has, in scales of `smooth` or `jerk`.
+    pub else_median: f64,
+    /// Standard deviation of the logarithm of that size.
+    pub else_spread: f64,
+}
+
+impl Default for RestPrior {
+    /// Lengths: two-point Gauss–Legendre rule in ln ℓ₁ over 0.1 to 0.4; ℓ₂ the geometric middle of 0.01 and 0.02.
+    fn default() -> Self {
+        Self {
+            smooth: 0.015,
+            jerk: 0.010,
+            zero: 0.5,
+            smooth_lengths: vec![(0.134, 0.5), (0.298, 0.5)],
+            jerk_lengths: vec![(0.0141, 1.0)],
+            else_median: 4.0,
+            else_spread: 0.8,
+        }
+    }
+}
+
+/// Which parts of the rest are there.
+pub(crate) const SUPPORTS: [[bool; 2]; 4] = [[false, false], [true, false], [false, true], [true, true]];
+
+impl RestPrior {
+    /// The same with the sizes of a complete model's rest scaled: the sensitivity that is part of every answer. What a cause outside the
+    /// catalogue does is another statement, and stays.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            smooth: factor * self.smooth,
+            jerk: factor * self.jerk,
+            else_median: self.else_median / factor,
+            ..self.clone()
+        }
+    }
+
+    fn half_normal(x: f64, scale: f64) -> f64 {
+        2.0 / (scale * TAU.sqrt()) * (-0.5 * (x / scale).powi(2)).exp()
+    }
+
+    fn outside(&self, x: f64, scale: f64) -> f64 {
+        let z = (x / (scale * self.else_median)).ln() / self.else_spread;
+        (-0.5 * z * z).exp() / (x * self.else_spread * TAU.sqrt())
+    }
+
+    /// Prior density of sizes (τ, υ) on one support, by ln τ and ln υ where they are not zero: of a complete model's rest, and of a
+    /// rest that holds a cause outside the catalogue (smooth or jerky with probability ½ each, the other part as
+    /// ever). Over all supports each of the two sums to 1.
+    pub(crate) fn density(&self, support: [bool; 2], [tau, upsilon]: [f64; 2]) -> [f64; 2] {
+        let here = |there: bool, x: f64, scale: f64| {
+            if there { (1.0 - self.zero) * x * Self::half_normal(x, scale) } else { self.zero }
+        };
+        let beyond = |there: bool, x: f64, scale: f64| if there { x * self.outside(x, scale) } else { 0.0 };
+        let (t, u) = (here(support[0], tau, self.smooth), here(support[1], upsilon, self.jerk));
+        let (far_t, far_u) = (beyond(support[0], tau, self.smooth), beyond(support[1], upsilon, self.jerk));
+        [t * u, 0.5 * (far_t * u + t * far_u)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_densities_hold_all_their_mass() {
+        let prior = RestPrior::default();
+        let line: Vec<f64> = (0..400).map(|i| -14.0 + 0.05 * f64::from(i)).collect();
+        let mut sum = prior.density([false; 2], [0.0; 2]);
+        for &y in &line {
+            for (support, x) in [([true, false], [y.exp(), 0.0]), ([false, true], [0.0, y.exp()])] {
+                let d = prior.density(support, x);
+                sum = [sum[0] + 0.05 * d[0], sum[1] + 0.05 * d[1]];
+            }
+            for &v in &line {
+                let d = prior.density([true, true], [y.exp(), v.exp()]);
+                sum = [sum[0] + 0.0025 * d[0], sum[1] + 0.0025 * d[1]];
+            }
+        }
+        assert!((sum[0] - 1.0).abs() < 1e-4 && (sum[1] - 1.0).abs() < 1e-4, "{sum:?}");
+    }
+
+    #[test]
+    fn a_cause_outside_leads_from_four_percent_on() {
+        let prior = RestPrior::default();
+        let odds = |tau: f64| {
+            let d = prior.density([true, false], [tau, 0.0]);
+            d[1] / d[0]
+        };
+        assert!(odds(0.01) < 0.1 && odds(0.02) < 1.0 && odds(0.05) > 20.0, "{} {}", odds(0.02), odds(0.05));
+    }
+}

@@ -1,0 +1,132 @@
+//! The top of the page: one plain sentence, what was identified, the main curve.
+
+use super::answer::{explained, mean_off, verdict};
+use super::place::places;
+use super::view::{Rung, View};
+use super::{chart, escape, per_rung};
+use crate::answer::{IdentifyAnswer, ParameterAnswer};
+use crate::peek::groups;
+use crate::terminal::{interval, known, mean_sd, pair, readable_unit, significant};
+
+/// The section.
+pub fn section(v: &View) -> String {
+    let (good, sentence) = cause(v);
+    let class = if good { "good" } else { "bad" };
+    let values = per_rung(v, |r| values(&r.answer));
+    let curve = v.current().and_then(main_curve).map_or_else(String::new, |test| {
+        chart("main", test, &format!("{test}: record and model with ± 2 sd of the noise"))
+    });
+    format!(
+        "<section id=\"first\"><p class=\"lead {class}\">{}</p>\n<div class=\"first\"><div>{values}</div>\n{curve}</div></section>\n",
+        escape(&sentence)
+    )
+}
+
+/// The test that is torn, else the first.
+fn main_curve(r: &Rung) -> Option<&str> {
+    let measured = || r.curves.iter().filter(|c| !c.measured.is_empty());
+    let torn = measured().find(|c| !c.residuals().tear_front.is_empty());
+    torn.or_else(|| measured().next()).map(|c| c.test.as_str())
+}
+
+/// Whether the records are explained, and what is the cause, in one sentence.
+pub fn cause(v: &View) -> (bool, String) {
+    let good = explained(v);
+    let named = v.diagnosis.as_ref().map(groups).unwrap_or_default().join(", and ");
+    let searched = v.run.info.command == "discover";
+    let model = v.current().filter(|_| v.rungs.len() > 1 || searched).map(Rung::name);
+    let added = model.filter(|m| m != "base model");
+    let sentence = match (good, verdict(v)) {
+        _ if v.current().is_none() => v.diagnosis.as_ref().map_or_else(
+            || "The run has no answer.".to_owned(),
+            |_| format!("The search named {}.", if named.is_empty() { "nothing" } else { named.as_str() }),
+        ),
+        (true, "ambiguous") if searched => {
+            format!(
+                "{named} explains the records; which of the names that stand together it is, these records cannot tell."
+            )
+        }
+        (true, _) if mean_off(v).is_some() => {
+            let by = added.map_or_else(String::new, |m| format!(" with {m}"));
+            format!("The model explains the records{by}, as far as the mesh's own error lets anyone see.")
+        }
+        (true, _) => match added {
+            Some(m) => format!("The model explains the records with {m}: what is left is noise."),
+            None => "The model explains the records: what is left is noise.".to_owned(),
+        },
+        (false, "unexplained") if searched => "No effect of the catalogue explains the records.".to_owned(),
+        (false, _) => {
+            let place = places(v).into_iter().next();
+            let off = place.map_or_else(String::new, |(test, segment, share, _)| {
+                format!(": it is off most in {test}, {segment} ({:.0} % of χ²)", 100.0 * share)
+            });
+            let by = added.map_or_else(String::new, |m| format!(", even with {m}"));
+            let why = match (v.diagnosis.is_some(), named.is_empty()) {
+                (true, false) if v.rungs.len() < 2 => {
+                    format!(" The screen points to {named}; nothing was refitted yet.")
+                }
+                (true, true) => " The screen points to no effect of the catalogue.".to_owned(),
+                _ => String::new(),
+            };
+            format!("The model does not explain the records{by}{off}.{why}")
+        }
+    };
+    (good, sentence)
+}
+
+/// Gc and σc: one area's value with its interval; of several areas the mean of those the records fix.
+fn values(a: &IdentifyAnswer) -> String {
+    let of = |end: &str| -> Vec<&ParameterAnswer> {
+        a.parameters
+            .iter()
+            .filter(|p| p.path.starts_with("interface.area[") && p.path.ends_with(end))
+            .collect()
+    };
+    [("].gc", "fracture energy Gc"), ("].sigma_c", "strength σc")]
+        .iter()
+        .map(|(end, name)| match of(end).as_slice() {
+            [] => String::new(),
+            [one] => tile(name, &alone(one)),
+            all => tile(name, &together(a, end, all)),
+        })
+        .collect()
+}
+
+fn alone(p: &ParameterAnswer) -> [String; 2] {
+    let (unit, factor) = readable_unit(&p.path, &p.unit);
+    let value = format!("{} {unit}", significant(p.value * factor, 4));
+    let known = match (p.at_bound, p.identifiable) {
+        (true, _) => format!("95 %: {}; it stands at a bound", interval(p, factor)),
+        (_, false) => "not fixed by the records".to_owned(),
+        _ => format!("95 %: {}", interval(p, factor)),
+    };
+    [value, known]
+}
+
+fn together(a: &IdentifyAnswer, end: &str, all: &[&ParameterAnswer]) -> [String; 2] {
+    let fixed = known(a, end);
+    let unit = all.first().map_or("", |p| readable_unit(&p.path, &p.unit).0);
+    if fixed.is_empty() {
+        return ["–".into(), format!("in none of the {} areas fixed by the records", all.len())];
+    }
+    let ends = |at: usize, worst: fn(f64, f64) -> f64| {
+        all.iter().filter(|p| p.identifiable && !p.at_bound).filter_map(|p| p.interval_95[at]).reduce(worst)
+    };
+    let range = match (ends(0, f64::min), ends(1, f64::max)) {
+        (Some(low), Some(high)) => {
+            format!("; their 95 % intervals lie within {} – {}", significant(low, 3), significant(high, 3))
+        }
+        _ => String::new(),
+    };
+    let what = format!("mean ± SD of the {} of {} areas that the records fix{range}", fixed.len(), all.len());
+    [format!("{} {unit}", pair(mean_sd(&fixed))), what]
+}
+
+fn tile(name: &str, [value, note]: &[String; 2]) -> String {
+    format!(
+        "<div class=\"value\"><span>{}</span><b>{}</b><span>{}</span></div>\n",
+        escape(name),
+        escape(value),
+        escape(note)
+    )
+}
