@@ -50,7 +50,7 @@ pub(crate) fn force_noise(
     }
     let points = condense(record);
     let averages = points.averaged.as_ref().map(|a| a.channels[0].clone()).unwrap_or_default();
-    let (spread, position) = (spread(&averages.readings, averages.decay), position(&averages.readings));
+    let (spread, position) = (spread(&averages.readings), position(&averages.readings));
     let weights = Weights { spread: &spread, position: &position };
     let breaks: Vec<usize> = corners.iter().map(|c| points.time.partition_point(|t| *t < c.1.time)).collect();
     (estimate_averages(&points.time, &points.force, weights, &breaks), points.len())
@@ -199,8 +199,12 @@ fn camera_means(record: &Record, channel: &[Option<f64>], bins: &[Bin], time: &[
     (0..bins.len())
         .map(|i| {
             let (t, v) = means[i]?;
-            let near = |j: Option<usize>| j.and_then(|j| means.get(j).copied().flatten()).unwrap_or((t, v));
-            let (a, b) = (near(i.checked_sub(1)), near(Some(i + 1)));
+            // Not beyond a corner: the slope is another there.
+            let corner = |j: &usize| bins[*j].displacement.is_some() && bins[*j].hold_since.is_none();
+            let ahead = if corner(&i) { i } else { (i + 1..bins.len()).find(corner).unwrap_or(i) };
+            let behind = if corner(&i) { i } else { (0..i).rev().find(corner).unwrap_or(i) };
+            let a = (behind..i).rev().find_map(|j| means[j]).unwrap_or((t, v));
+            let b = (i + 1..=ahead).find_map(|j| means[j]).unwrap_or((t, v));
             let slope = if b.0 > a.0 { (b.1 - a.1) / (b.0 - a.0) } else { 0.0 };
             Some(v + slope * (time[i] - t))
         })
@@ -256,7 +260,7 @@ fn decay(
     if typical < 2.0 {
         return Some(0.5);
     }
-    let (spread, position) = (spread(&readings, 0.5), position(&readings));
+    let (spread, position) = (spread(&readings), position(&readings));
     let of_means = noise(points, Weights { spread: &spread, position: &position })?;
     let of_rows = noise(whole, Weights::default())?;
     Some(((of_rows.sd / of_means.sd).ln() / typical.ln()).clamp(0.0, 0.5))
@@ -269,12 +273,11 @@ pub(crate) fn typical(readings: &[usize]) -> f64 {
     sorted.get(sorted.len() / 2).map_or(1.0, |r| *r as f64)
 }
 
-/// Sd of each point in units of that of a point with the usual number of readings. Points of more readings than usual are
-/// longer than errors are shared.
-pub(crate) fn spread(readings: &[usize], decay: f64) -> Vec<f64> {
+/// Sd of each point in units of that of a point with the usual number of readings: a point weighs as much as it has readings.
+/// So do points whose errors are shared, all of them in a stretch of the usual length together.
+pub(crate) fn spread(readings: &[usize]) -> Vec<f64> {
     let typical = typical(readings);
-    let of = |r: f64| if r > 1.0 { r.powf(-0.5) } else { r.powf(-decay) };
-    readings.iter().map(|r| of(*r as f64 / typical)).collect()
+    readings.iter().map(|r| (*r as f64 / typical).powf(-0.5)).collect()
 }
 
 /// Readings of each point in units of the usual number.

@@ -198,7 +198,7 @@ fn averages_of(record: &input::Record, channel: Channel, rows: &[usize]) -> Opti
     let averages = &record.averaged.as_ref()?.channels[at];
     let readings = rows.iter().map(|&r| averages.readings.get(r).copied()).collect::<Option<Vec<usize>>>()?;
     Some(Averaged {
-        spread: condense::spread(&readings, averages.decay),
+        spread: condense::spread(&readings),
         position: condense::position(&readings),
         readings: condense::weights(&readings),
         surer: condense::typical(&readings).powf(-averages.decay),

@@ -58,8 +58,8 @@ fn a_right_camera_is_not_punished_before_the_tear_begins() {
     let mut random = Random::new(3);
     let mut csv = String::from("time_s,displacement_mm,force_N,tear_front_mm\n");
     for i in 0..tear.time.len() {
-        // A jump has two answers at one time.
-        if tear.time.get(i + 1).is_some_and(|next| next - tear.time[i] < 1e-9) {
+        // What the solver needed besides has no time of its own.
+        if tear.run.steps[i].target.is_none() {
             continue;
         }
         let (t, u, f) = (tear.time[i], tear.displacement[i], tear.force[i] + 0.001 * random.normal());

@@ -48,9 +48,9 @@ fn truth(folder: &Path) -> Vec<Vec<[f64; 3]>> {
     let control = SimulateControl { progress: &|_, _| {}, cancelled: &|| false };
     let run = simulate(Arc::new(case), &effects::catalogue(), &control).expect("a run");
     let rows = |t: &analysis::SimulatedTest| {
-        let n = t.time.len();
-        let later = |i: &usize| i + 1 == n || t.time[i + 1] > t.time[*i] + 1e-9;
-        (0..n).filter(later).map(|i| [t.time[i], t.displacement[i], t.force[i]]).collect()
+        // What the solver needed besides has no time of its own.
+        let asked = |i: &usize| t.run.steps[*i].target.is_some();
+        (0..t.time.len()).filter(asked).map(|i| [t.time[i], t.displacement[i], t.force[i]]).collect()
     };
     run.tests.iter().map(rows).collect()
 }
@@ -87,15 +87,21 @@ fn identified(folder: &Path, truth: &[Vec<[f64; 3]>], n: usize, jitter: f64) -> 
     identify(case, &effects::catalogue(), &control).unwrap_or_else(|e| panic!("{n} rows: {e}"))
 }
 
-/// Load steps of the last run, and Newton iterations.
+/// The same values, about the same intervals, no more runs and steps.
 fn same(clean: &Identified, long: &Identified, what: &str) {
+    for (a, b) in clean.measured.data.blocks.iter().zip(&long.measured.data.blocks) {
+        let n = |b: &inverse::Block| format!("sd {:.2e}, correlation {:.2}", b.noise.sd, b.noise.ar1);
+        println!("{what} {}: {} points, {}; clean {}, {}", a.name, b.range.len(), n(b), a.range.len(), n(a));
+    }
     for (a, b) in clean.uncertainty.estimates.iter().zip(&long.uncertainty.estimates) {
         let width = a.interval_95[1] - a.interval_95[0];
         let shift = (a.value - b.value).abs() / width;
         println!("{what} {}: {} {}, shift {shift:.3} of the interval", a.path, a.value, b.value);
         assert!(shift < 0.1, "{what} {}", a.path);
         let ratio = (b.interval_95[1] - b.interval_95[0]) / width;
-        assert!((0.5..2.0).contains(&ratio), "{what} {}: intervals {ratio}", a.path);
+        println!("{what} {}: intervals {ratio:.2} of the clean", a.path);
+        // Interpolated errors are smoother than an AR(1): taken for one, they say less than they could.
+        assert!((0.4..2.5).contains(&ratio), "{what} {}: intervals {ratio}", a.path);
     }
     let runs = |i: &Identified| i.forward_runs as f64;
     assert!(runs(long) < 1.6 * runs(clean) + 8.0, "{what}: {} runs for {}", runs(long), runs(clean));

@@ -4,11 +4,13 @@
 //! policy's least fall, and the p-value the false-discovery rate allows the first of the catalogue.
 
 use crate::score::{ScreenError, projected};
+use crate::statistic::statistic;
 use crate::sup::Family;
 use crate::tails::normal_sf;
 use crate::{Candidate, Policy, Side};
 use inverse::Whitened;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// What records of some kind would say of an effect.
@@ -47,36 +49,76 @@ pub fn foresee(
 ) -> Result<Vec<Foreseen>, ScreenError> {
     let shaped = candidates.iter().filter(|c| !c.shapes.is_empty()).count().max(1);
     let all = projected(white, at_bound, candidates, points, policy)?;
-    let mut out: Vec<Foreseen> = all
-        .into_iter()
-        .map(|(candidate, shapes)| one(candidate, &shapes, policy.fdr / shaped as f64, policy))
-        .collect();
+    let seen: Vec<Seen> = all.into_iter().map(|(candidate, shapes)| Seen::new(candidate, shapes)).collect();
+    let level = policy.fdr / shaped as f64;
+    let mut out: Vec<Foreseen> =
+        (0..seen.len()).into_par_iter().map(|i| one(&seen, i, level, policy)).collect();
     out.sort_by(|a, b| b.snr.total_cmp(&a.snr).then(a.effect.cmp(&b.effect)));
     Ok(out)
 }
 
-fn one(candidate: &Candidate, shapes: &[DMatrix<f64>], level: f64, policy: &Policy) -> Foreseen {
-    let amplitude = &candidate.amplitudes[0];
-    let snr_of = |s: &DMatrix<f64>| {
-        let plausible = candidate.amplitudes.iter().zip(s.column_iter());
-        plausible.fold(nalgebra::DVector::zeros(s.nrows()), |sum, (a, c)| sum + c * a.plausible).norm()
-    };
-    let best =
-        (0..shapes.len()).max_by(|&a, &b| snr_of(&shapes[a]).total_cmp(&snr_of(&shapes[b])).then(b.cmp(&a)));
-    let snr = best.map_or(0.0, |i| snr_of(&shapes[i]));
-    let sides: Vec<Side> = candidate.amplitudes.iter().map(|a| a.side).collect();
-    let live: Vec<DMatrix<f64>> = shapes.iter().filter(|s| s.norm() > 0.0).cloned().collect();
-    let critical = if live.is_empty() {
-        f64::INFINITY
-    } else {
-        critical_fall(&Family { shapes: &live, sides: &sides }, level).max(policy.min_fall).sqrt()
-    };
+/// A candidate with what of its shapes no base parameter imitates.
+struct Seen<'a> {
+    candidate: &'a Candidate,
+    sides: Vec<Side>,
+    live: Vec<DMatrix<f64>>,
+    /// Index of the shape that shows best, and what it does at the plausible size.
+    best: Option<(usize, DVector<f64>)>,
+}
+
+impl<'a> Seen<'a> {
+    fn new(candidate: &'a Candidate, shapes: Vec<DMatrix<f64>>) -> Self {
+        let sized = |s: &DMatrix<f64>| {
+            let plausible = candidate.amplitudes.iter().zip(s.column_iter());
+            plausible.fold(DVector::zeros(s.nrows()), |sum, (a, c)| sum + c * a.plausible)
+        };
+        let all = shapes.iter().map(sized).enumerate();
+        let best = all.max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()).then(b.0.cmp(&a.0)));
+        let sides = candidate.amplitudes.iter().map(|a| a.side).collect();
+        Self { candidate, sides, live: shapes.into_iter().filter(|s| s.norm() > 0.0).collect(), best }
+    }
+
+    /// Standard deviations at which the screen calls it at a p-value.
+    fn critical(&self, level: f64, policy: &Policy) -> f64 {
+        if self.live.is_empty() {
+            return f64::INFINITY;
+        }
+        let family = Family { shapes: &self.live, sides: &self.sides };
+        critical_fall(&family, level).max(policy.min_fall).sqrt()
+    }
+
+    /// Standard deviations that a truth looks like through this effect.
+    fn looks(&self, truth: &DVector<f64>) -> f64 {
+        let through = |s: &DMatrix<f64>| -> f64 {
+            let b = s.tr_mul(truth);
+            statistic(&s.tr_mul(s), &b, &self.sides).fall.max(0.0).sqrt()
+        };
+        self.live.iter().map(through).fold(0.0, f64::max)
+    }
+}
+
+/// The false-discovery rate is shared by all that a truth looks like: the more effects are called with this one, the larger a
+/// p-value does.
+fn one(all: &[Seen], i: usize, level: f64, policy: &Policy) -> Foreseen {
+    let this = &all[i];
+    let amplitude = &this.candidate.amplitudes[0];
+    let snr = this.best.as_ref().map_or(0.0, |b| b.1.norm());
+    let mut critical = this.critical(level, policy);
+    if let Some((_, at)) = this.best.as_ref().filter(|_| snr > 0.0) {
+        for _ in 0..3 {
+            // What else would be called where this one just is.
+            let truth = at * (critical / snr);
+            let with = |o: &(usize, &Seen)| o.0 != i && o.1.looks(&truth) >= 0.9 * critical;
+            let called = 1 + all.iter().enumerate().filter(with).count();
+            critical = this.critical(level * called as f64, policy);
+        }
+    }
     let seen = |snr: f64| if critical.is_finite() { normal_sf(critical - snr) } else { 0.0 };
     Foreseen {
-        effect: candidate.effect.clone(),
+        effect: this.candidate.effect.clone(),
         amplitude: amplitude.name.clone(),
         plausible: amplitude.plausible,
-        shape: best.map_or_else(Vec::new, |i| candidate.shapes[i].parameters.clone()),
+        shape: this.best.as_ref().map_or_else(Vec::new, |b| this.candidate.shapes[b.0].parameters.clone()),
         snr,
         power: seen(snr),
         least: (snr > 0.0).then(|| amplitude.plausible * (critical + NINETY) / snr),

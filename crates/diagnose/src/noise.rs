@@ -18,6 +18,8 @@ const WINDOW: usize = 20;
 const LONG_WINDOW: usize = 40;
 const SHORTEST: usize = 8;
 const LEAST_FREEDOM: usize = 20;
+/// Points of a larger spread say nothing of the usual ones.
+const WIDE: f64 = 1.5;
 /// More windows tell no more: of those of a long record as many are taken, evenly.
 const MOST_WINDOWS: usize = 150;
 
@@ -113,7 +115,8 @@ pub fn estimate(t: &[f64], y: &[f64], breaks: &[usize]) -> Result<NoiseEstimate,
     estimate_averages(t, y, Averages::default(), breaks)
 }
 
-/// The same of averages: the sd is that of a point of spread 1.
+/// The same of averages: the sd is that of a point of spread 1. Points of a clearly larger spread are left out: they are few
+/// readings close to each other, and share errors that others do not.
 ///
 /// # Errors
 /// As [`estimate`].
@@ -127,6 +130,14 @@ pub fn estimate_averages(
         if !list.is_empty() && list.len() != y.len() {
             return Err(NoiseError::Record(format!("{} averages for {} values", list.len(), y.len())));
         }
+    }
+    if averages.spread.iter().any(|s| *s > WIDE) {
+        let kept: Vec<usize> = (0..y.len()).filter(|&i| averages.spread[i] <= WIDE).collect();
+        let pick = |v: &[f64]| kept.iter().filter_map(|&i| v.get(i).copied()).collect::<Vec<f64>>();
+        let (spread, position) = (pick(averages.spread), pick(averages.position));
+        let breaks: Vec<usize> = breaks.iter().map(|b| kept.partition_point(|k| k < b)).collect();
+        let averages = Averages { spread: &spread, position: &position };
+        return estimate_averages(&pick(t), &pick(y), averages, &breaks);
     }
     if t.len() != y.len() {
         return Err(NoiseError::Record(format!("{} times for {} values", t.len(), y.len())));

@@ -83,6 +83,13 @@ impl Session {
             self.say(&format!("{place}: remark: {remark}"));
         }
         if faults.is_empty() {
+            let case = analysis::condensed(&case);
+            for (t, r) in case.tests.iter().filter_map(|t| t.record.as_ref().map(|r| (t, r))) {
+                if r.averaged.is_some() {
+                    let (rows, points) = (r.measured_rows(), r.len());
+                    self.say(&format!("{}: {rows} rows, averaged to {points} points", t.name));
+                }
+            }
             return Ok(case);
         }
         let faults: Vec<String> = faults.iter().map(|(place, f)| format!("{place}: error: {f}")).collect();

@@ -44,12 +44,16 @@ pub(super) fn resolution(force: &[f64]) -> f64 {
 
 /// Whether the force falls for good while the displacement goes beyond anything before.
 pub(super) fn tears(record: &Record) -> bool {
-    let most = record.displacement.iter().fold(0.0f64, |m, u| m.max(*u));
-    let peak = record.force.iter().fold(0.0f64, |m, f| m.max(*f));
-    let last: Vec<f64> = (0..record.len())
-        .filter(|&i| record.displacement[i] > 0.99 * most)
-        .map(|i| record.force[i])
-        .collect();
+    // Whichever sign pulling and tension have.
+    let upright = |v: &[f64]| {
+        let (low, high) = extremes(v);
+        let sign = if -low > high { -1.0 } else { 1.0 };
+        v.iter().map(|x| sign * x).collect::<Vec<f64>>()
+    };
+    let (displacement, force) = (upright(&record.displacement), upright(&record.force));
+    let (most, peak) = (extremes(&displacement).1, extremes(&force).1);
+    let last: Vec<f64> =
+        displacement.iter().zip(&force).filter(|(u, _)| **u > 0.99 * most).map(|(_, f)| *f).collect();
     let mean = last.iter().sum::<f64>() / last.len().max(1) as f64;
     peak > 0.0 && mean < TORN * peak
 }

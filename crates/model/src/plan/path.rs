@@ -14,6 +14,10 @@ const SHARE: f64 = 2e-3;
 /// Corners that end within this many standard deviations of an earlier one end there.
 const SAME: f64 = 3.0;
 
+/// A corner between two rows looks like a leg of so few rows at most, over less than this share of the range.
+const CUT_ROWS: usize = 2;
+const CUT_SHARE: f64 = 0.03;
+
 /// More corners than that are no protocol: the tolerance is doubled.
 const MOST: usize = 400;
 
@@ -46,7 +50,10 @@ pub(super) fn simplified(t: &[f64], u: &[f64]) -> Vec<At> {
     let n = t.len();
     let noise = encoder_noise(t, u);
     let (low, high) = u.iter().fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
-    let mut tolerance = (BEYOND * noise).max(SHARE * (high - low));
+    let travel: f64 = u.windows(2).map(|w| (w[1] - w[0]).abs()).sum();
+    // A corner that falls between two rows is missed by part of a step.
+    let between = 0.25 * (travel / (n - 1) as f64).min(0.04 * (high - low));
+    let mut tolerance = (BEYOND * noise).max(SHARE * (high - low)).max(between);
     let mut rows = split(t, u, tolerance);
     while rows.len() > MOST {
         tolerance *= 2.0;
@@ -103,15 +110,20 @@ fn beyond(t: &[f64], u: &[f64], a: usize, b: usize, tolerance: f64) -> Option<us
 fn drop_needless(rows: &mut Vec<usize>, lines: &Lines, t: &[f64], u: &[f64], tolerance: f64) {
     let moving: f64 = rows.windows(2).map(|w| (u[w[1]] - u[w[0]]).abs()).sum();
     let typical = moving / (t[t.len() - 1] - t[0]);
+    let range = u.iter().fold(f64::MIN, |m, x| m.max(*x)) - u.iter().fold(f64::MAX, |m, x| m.min(*x));
     let mut k = 1;
     while k + 1 < rows.len() {
         let (a, b, c) = (rows[k - 1], rows[k], rows[k + 1]);
         let still = |a: usize, b: usize| lines.travel(a, b).abs() <= tolerance;
-        let short = |a: usize, b: usize| still(a, b) && typical * (t[b] - t[a]) < 2.0 * tolerance;
+        // Too short for a hold; or a corner that fell between two rows.
+        let short = |a: usize, b: usize| {
+            still(a, b) && typical * (t[b] - t[a]) < 2.0 * tolerance
+                || b - a <= CUT_ROWS && (u[b] - u[a]).abs() < CUT_SHARE * range
+        };
         let needless = beyond(t, u, a, c, tolerance).is_none()
             || (still(a, b) && still(b, c))
             || (k + 2 < rows.len() && short(b, c))
-            || (k == 1 && short(a, b) && still(a, b));
+            || (k == 1 && short(a, b));
         if needless {
             rows.remove(k);
         } else {
@@ -265,6 +277,28 @@ mod tests {
             assert_eq!(found[0].1.displacement, 0.0);
             assert_eq!(found[3].1.displacement, found[4].1.displacement);
         }
+    }
+
+    #[test]
+    fn corners_between_rows_are_one_corner_each() {
+        for n in [150, 400, 701] {
+            let (fine_t, fine_u) = rows(&LEGS, 6000, 0.0);
+            let pick = |k: usize| k * (fine_t.len() - 1) / (n - 1);
+            let shake = |k: usize| if k == 0 { 0.0 } else { 2e-4 * (((k * 7919) % 101) as f64 / 50.0 - 1.0) };
+            let t: Vec<f64> = (0..n).map(|k| fine_t[pick(k)]).collect();
+            let u: Vec<f64> = (0..n).map(|k| fine_u[pick(k)] + shake(k)).collect();
+            assert_eq!(simplified(&t, &u).len(), LEGS.len(), "{n}: {:?}", simplified(&t, &u));
+        }
+    }
+
+    #[test]
+    fn a_pull_within_one_row_is_a_leg() {
+        let t: Vec<f64> = (0..200).map(f64::from).collect();
+        let u: Vec<f64> =
+            (0..200).map(|k| if k == 0 { 0.0 } else { 1.0 + 1e-4 * f64::from(k % 3) }).collect();
+        let found = simplified(&t, &u);
+        assert_eq!(found.iter().map(|c| c.0).collect::<Vec<_>>(), [0, 1, 199]);
+        assert_eq!(found[1].1.displacement, found[2].1.displacement);
     }
 
     #[test]
