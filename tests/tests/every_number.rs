@@ -204,7 +204,8 @@ fn ends(case: &Arc<Case>, identified: bool) -> Result<(), String> {
     let late = || begun.elapsed() > RUN;
     let done = catch_unwind(AssertUnwindSafe(|| {
         if identified {
-            let control = analysis::Control { progress: &|_| {}, cancelled: &late };
+            let control =
+                analysis::Control { progress: &|_| {}, cancelled: &late, journal: &analysis::NoJournal };
             drop(analysis::identify(case.clone(), &catalogue, &control));
         } else {
             let control = analysis::SimulateControl { progress: &|_, _| {}, cancelled: &late };

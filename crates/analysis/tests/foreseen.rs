@@ -4,7 +4,9 @@
 #[allow(dead_code)]
 mod small;
 
-use analysis::{DesignRequest, FeProblem, Measured, SimulateControl, Weighed, design, run_options, simulate};
+use analysis::{
+    DesignRequest, FeProblem, Measured, RatedProtocol, SimulateControl, design, run_options, simulate,
+};
 use input::Case;
 use inverse::{Noise, Problem as _, Random, Whitened};
 use model::{Discretisation, Model};
@@ -42,14 +44,15 @@ fn a_design_prefers_protocols_that_show_more() {
     let request = DesignRequest { budget_s: 3600.0, rivals, range_n: Some(1e-3), ..DesignRequest::default() };
     let answer = design(&case, &effects::catalogue(), &request, &|_| {}, &|| false).expect("a design");
     let of = |name: &str| answer.protocols.iter().find(|p| p.name == name).expect("weighed");
-    let power = |w: &Weighed, effect: &str| {
+    let power = |w: &RatedProtocol, effect: &str| {
         w.force.effects.iter().find(|e| e.effect == effect).map_or(0.0, |e| e.power)
     };
     assert!(power(of("loops"), "mullins") > power(of("pull"), "mullins") + 0.2);
     assert!(power(of("holds"), "viscoelastic") >= power(of("pull"), "viscoelastic"));
     assert_ne!(answer.protocols[0].name, "pull");
-    let gc =
-        |w: &Weighed| w.force.parameters.iter().find(|k| k.path.ends_with("gc")).expect("gc").relative_error;
+    let gc = |w: &RatedProtocol| {
+        w.force.parameters.iter().find(|k| k.path.ends_with("gc")).expect("gc").relative_error
+    };
     assert!(gc(&answer.protocols[0]) > 0.0 && gc(&answer.protocols[0]) < 0.5);
     // A camera takes nothing away.
     for w in &answer.protocols {

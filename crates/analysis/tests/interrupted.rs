@@ -9,25 +9,11 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
-const BODY: &str = r#"
-[mesh]
-divisions = [8, 8, 1]
-[bulk]
-mu_kPa = { start = 6.0, fixed = true }
-k1_kPa = 300.0
-k2 = 8.0
-gamma_deg = { start = 42.0, fixed = true }
-kappa = { start = 0.2, fixed = true }
-[interface]
-gc_N_per_mm = 0.03
-sigma_c_MPa = 0.06
-"#;
-
 fn case() -> (tempfile::TempDir, Arc<input::Case>) {
     let folder = tempfile::tempdir().unwrap();
     small::write_records(folder.path(), false);
     let file = folder.path().join("case.toml");
-    std::fs::write(&file, small::STRIP.to_owned() + BODY).unwrap();
+    std::fs::write(&file, small::STRIP.to_owned() + small::FIT).unwrap();
     let case = input::read_case(&file, &effects::catalogue()).unwrap();
     (folder, Arc::new(case))
 }

@@ -9,26 +9,13 @@ use model::{Discretisation, Model};
 use nalgebra::DVector;
 use std::sync::Arc;
 
-const BODY: &str = r#"
-[mesh]
-divisions = [8, 8, 1]
-[bulk]
-mu_kPa = { start = 6.0, fixed = true }
-k1_kPa = 300.0
-k2 = 8.0
-gamma_deg = { start = 42.0, fixed = true }
-kappa = { start = 0.2, fixed = true }
-[interface]
-gc_N_per_mm = 0.03
-sigma_c_MPa = 0.06
-[identify]
-mode = "joint"
-"#;
+/// Everything is fitted at once.
+const JOINT: &str = "[identify]\nmode = \"joint\"\n";
 
 fn case(folder: &std::path::Path, noise: &str) -> input::Case {
     small::write_records(folder, true);
     let file = folder.join("case.toml");
-    std::fs::write(&file, small::STRIP.replace("force_sd_N = 0.001", noise) + BODY).unwrap();
+    std::fs::write(&file, small::STRIP.replace("force_sd_N = 0.001", noise) + small::FIT + JOINT).unwrap();
     input::read_case(&file, &effects::catalogue()).unwrap()
 }
 

@@ -83,7 +83,7 @@ fn identified(folder: &Path, truth: &[Vec<[f64; 3]>], n: usize, jitter: f64) -> 
     }
     let strip = small::STRIP.replace("force_sd_N = 0.001", "");
     let case = Arc::new(read(folder, &format!("{strip}{MODEL}")));
-    let control = Control { progress: &|_| {}, cancelled: &|| false };
+    let control = Control { progress: &|_| {}, cancelled: &|| false, journal: &analysis::NoJournal };
     identify(case, &effects::catalogue(), &control).unwrap_or_else(|e| panic!("{n} rows: {e}"))
 }
 

@@ -40,7 +40,9 @@ pub enum Command {
     #[command(after_help = "Examples:\n  fct check strip.toml\n  fct check strip.toml > whole.toml")]
     Check(With<check::Arguments, Answers>),
     /// Before the test: which protocol would show which effects, and how well strength would be known
-    #[command(after_help = "Examples:\n  fct design strip.toml\n  fct design strip.toml --budget 30min --json")]
+    #[command(
+        after_help = "Examples:\n  fct design strip.toml\n  fct design strip.toml --budget 30min --json"
+    )]
     Design(With<design::Arguments, Answers>),
     /// Forward runs: curves, fields, energy ledger
     #[command(
@@ -189,7 +191,10 @@ mod tests {
             "report r",
             "ladder r",
         ] {
-            assert!(parsed(&format!("fct {command} --json --quiet --threads 2 --resume")).is_ok(), "{command}");
+            assert!(
+                parsed(&format!("fct {command} --json --quiet --threads 2 --resume")).is_ok(),
+                "{command}"
+            );
         }
         for command in ["simulate f", "identify f", "compare r", "diagnose r", "discover f", "batch f"] {
             assert!(parsed(&format!("fct {command} --out d --resume --figures pdf")).is_ok(), "{command}");

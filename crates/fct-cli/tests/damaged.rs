@@ -93,7 +93,6 @@ fn damaged_run_directories_are_errors() -> Tested {
     let names: Vec<String> = files(&here.join("whole"))
         .iter()
         .filter_map(|f| Some(f.strip_prefix(here.join("whole")).ok()?.to_string_lossy().into_owned()))
-        .filter(|n| !n.starts_with("fields/"))
         .collect();
     // In the usual test run every seventh of them; `just damaged` tries all.
     let every: usize = std::env::var("FCT_EVERY").ok().and_then(|n| n.parse().ok()).unwrap_or(7);
@@ -105,12 +104,15 @@ fn damaged_run_directories_are_errors() -> Tested {
         let _ = fs::remove_dir_all(&run);
         assert!(Command::new("cp").arg("-r").arg(here.join("whole")).arg(&run).status()?.success());
         damage(&run.join(name), how)?;
-        for arguments in [
+        let commands = [
             &["compare", "run"][..],
             &["report", "run", "--out", "page.html"],
             &["ladder", "run"],
             &["add", "drift", "run", "--out", "added.toml"],
-        ] {
+            &["diagnose", "run"],
+        ];
+        // A diagnosis that nothing prevents takes its time.
+        for arguments in commands.into_iter().filter(|a| a[0] != "diagnose" || needed(a[0], name)) {
             let (code, stderr) = limited(here, arguments)?;
             let told = format!("{name} {how}, {arguments:?}: {code} {stderr}");
             assert!(!stderr.contains("panicked") && !stderr.contains("fault of fct"), "{told}");

@@ -52,7 +52,7 @@ pub struct DesignRequest {
 
 /// A protocol that was weighed.
 #[derive(Clone, Debug, Serialize)]
-pub struct Weighed {
+pub struct RatedProtocol {
     /// Name.
     pub name: String,
     /// What is done.
@@ -85,7 +85,7 @@ pub struct Variant {
 #[derive(Clone, Debug, Serialize)]
 pub struct DesignAnswer {
     /// Protocols within the budget, the best first.
-    pub protocols: Vec<Weighed>,
+    pub protocols: Vec<RatedProtocol>,
     /// Protocols that no rate and no hold brings within the budget, or that could not be computed: name, why.
     pub left_out: Vec<(String, String)>,
     /// Expected largest force of each test, N.
@@ -164,7 +164,7 @@ pub fn design(
 }
 
 /// Rivals first, then effects that are seen, then half-seen ones.
-fn worth(w: &Weighed) -> f64 {
+fn worth(w: &RatedProtocol) -> f64 {
     let seen =
         |f: &[Foreseen]| f.iter().map(|e| if e.power >= ENOUGH { 1.0 } else { 0.5 * e.power }).sum::<f64>();
     100.0 * w.rivals_power.map_or(0.0, |p| (10.0 * p[0]).round()) + seen(&w.force.effects)
@@ -294,12 +294,12 @@ impl Table<'_> {
         legs: &[Vec<Leg>],
         noise: &[f64],
         request: &DesignRequest,
-    ) -> Result<Weighed, AnalysisError> {
+    ) -> Result<RatedProtocol, AnalysisError> {
         let (linear, case) = self.look(self.planned(legs, noise, true), self.catalogue)?;
         let tell = |camera| linear.foresight(self.catalogue, &self.policy, camera);
         let apart =
             |camera| request.rivals.as_ref().map(|[a, b]| linear.separation(a, b, &self.policy, camera));
-        Ok(Weighed {
+        Ok(RatedProtocol {
             name: program.name.to_owned(),
             words: program.words.to_owned(),
             seconds: legs.iter().map(|l| seconds(l)).sum(),

@@ -22,6 +22,22 @@ data = "tearing.csv"
 force_sd_N = 0.001
 "#;
 
+/// A mesh, a tissue and a path to be fitted: k1, k2, Gc and σc are free.
+#[allow(dead_code)]
+pub const FIT: &str = r#"
+[mesh]
+divisions = [8, 8, 1]
+[bulk]
+mu_kPa = { start = 6.0, fixed = true }
+k1_kPa = 300.0
+k2 = 8.0
+gamma_deg = { start = 42.0, fixed = true }
+kappa = { start = 0.2, fixed = true }
+[interface]
+gc_N_per_mm = 0.03
+sigma_c_MPa = 0.06
+"#;
+
 /// Points of a leg.
 pub const LEG: usize = 12;
 

@@ -58,7 +58,7 @@ pub fn write(source: &Source, text: &str, ending: &str, session: &Session) -> Re
 /// that it came from.
 pub fn next(source: &Source, file: &Path) -> String {
     let stem = file.file_stem().map_or_else(|| "run".into(), |n| n.to_string_lossy().into_owned());
-    let beside = source.run.as_deref().and_then(Path::parent).filter(|p| !p.as_os_str().is_empty());
+    let beside = source.run.as_ref().and_then(|r| r.path.parent()).filter(|p| !p.as_os_str().is_empty());
     let runs = beside.unwrap_or(if source.run.is_some() { Path::new("") } else { Path::new("runs") });
     format!("fct identify {} --out {}", quoted_path(file), quoted_path(&runs.join(stem)))
 }

@@ -103,8 +103,11 @@ fn interrupted(
     if history.is_empty() && !session.cancelled() {
         return Failure::from(e);
     }
-    let why =
-        if session.cancelled() { "stopped by the user".to_owned() } else { Failure::from(e).reason().to_owned() };
+    let why = if session.cancelled() {
+        "stopped by the user".to_owned()
+    } else {
+        Failure::from(e).reason().to_owned()
+    };
     let partial = Partial::new(case, history, &why);
     let stored = store_partial(&dir, case, &partial, &session.info("identify", case, false))
         .and_then(|()| dir.finish_partial(session.cancelled()));

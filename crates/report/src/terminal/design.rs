@@ -1,7 +1,7 @@
 //! Protocols that were weighed, as a table and in words.
 
 use super::{Style, wrap};
-use analysis::{DesignAnswer, Foresight, Weighed};
+use analysis::{DesignAnswer, Foresight, RatedProtocol};
 use input::Leg;
 use std::fmt::Write as _;
 
@@ -75,7 +75,7 @@ fn or_none(list: Vec<String>) -> String {
     if list.is_empty() { "no effect".to_owned() } else { list.join(", ") }
 }
 
-fn row(w: &Weighed) -> String {
+fn row(w: &RatedProtocol) -> String {
     let seen = |f: &Foresight| f.effects.iter().filter(|e| e.power >= SEEN).count();
     let rivals = w.rivals_power.map_or_else(String::new, |[force, camera]| {
         format!(", rivals apart with {:.0} % power ({:.0} % with cameras)", 100.0 * force, 100.0 * camera)
