@@ -136,8 +136,7 @@ fn a_batch_averages_what_is_known_and_explained() -> Tested {
 #[test]
 fn flags_that_do_nothing_are_refused_and_help_shows_how() -> Tested {
     let folder = tempfile::tempdir()?;
-    for line in
-        ["effects --threads 2", "effects --figures pdf", "effects --resume", "add drift x.toml --resume"]
+    for line in ["effects --figures pdf", "effects --out x", "effects --force", "check x.toml --figures pdf"]
     {
         let out = fct(folder.path(), &line.split(' ').collect::<Vec<_>>())?;
         assert_eq!(out.status.code(), Some(2), "{line}");

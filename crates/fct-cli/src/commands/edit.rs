@@ -60,7 +60,11 @@ pub fn next(source: &Source, file: &Path) -> String {
     let stem = file.file_stem().map_or_else(|| "run".into(), |n| n.to_string_lossy().into_owned());
     let beside = source.run.as_ref().and_then(|r| r.path.parent()).filter(|p| !p.as_os_str().is_empty());
     let runs = beside.unwrap_or(if source.run.is_some() { Path::new("") } else { Path::new("runs") });
-    format!("fct identify {} --out {}", quoted_path(file), quoted_path(&runs.join(stem)))
+    let place = runs.join(&stem);
+    // Never the run that it came from.
+    let taken = source.run.as_ref().is_some_and(|r| r.path == place);
+    let place = if taken { runs.join(format!("{stem}-next")) } else { place };
+    format!("fct identify {} --out {}", quoted_path(file), quoted_path(&place))
 }
 
 /// Reads the changed text as the commands will, from a file beside the one to be written.

@@ -105,7 +105,7 @@ pub fn effects(v: &View) -> String {
     format!(
         "<section id=\"effects\"><h2>What could be missing</h2>\n<p class=\"muted\">Score test of the whole catalogue at the base \
          model: the share of χ² that adding the effect is expected to take away, and how likely so much is by chance (p, with the noise as estimated; what is called for is decided with \
-         noise as correlated as these records allow).</p>\n{}{more}</section>\n",
+         noise as correlated as these records allow; if large: only in more than a plausible amount).</p>\n{}{more}</section>\n",
         screen_table(first)
     )
 }

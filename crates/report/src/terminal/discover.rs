@@ -64,7 +64,7 @@ pub fn discover(answer: &Value, style: Style) -> String {
 
 /// What the columns of a screen mean.
 const MARKS: &str = "p: the chance of so much without the effect, with the noise as estimated. Called for: decided with noise as \
-                     correlated as these records allow.";
+                     correlated as these records allow; if large: only in more than a plausible amount.";
 
 fn ladder(rungs: &[Value], style: Style) -> String {
     let most = rungs.iter().filter_map(|r| number(r, "rms_N")).fold(f64::MIN_POSITIVE, f64::max);
@@ -123,7 +123,7 @@ fn places(answer: &Value, style: Style, out: &mut String) {
 pub(crate) fn called(row: &Value) -> &'static str {
     match (yes(row, "significant"), yes(row, "visible")) {
         (true, true) => "called for",
-        (true, false) => "called for, in more than a plausible amount",
+        (true, false) => "called for, if large",
         (false, true) => "",
         (false, false) => "would not show here",
     }

@@ -121,7 +121,8 @@ mod tests {
             advice: vec![advice],
         };
         let lines = doctor_lines(&Doctor { records: vec![record], shows: None, shows_not: None });
-        let text = lines.join(" ");
+        // As it is read, wherever the lines are broken.
+        let text = lines.iter().flat_map(|l| l.split_whitespace()).collect::<Vec<_>>().join(" ");
         assert!(text.contains("20000 rows (averaged to 420 points)"), "{text}");
         assert!(text.contains("Remedy: tare it") && text.contains("0.5 % of the peak"), "{text}");
         assert!(lines.iter().all(|l| l.chars().count() <= WIDTH), "{lines:?}");
