@@ -100,7 +100,7 @@ impl Assigner<'_> {
     }
 
     fn nothing_fits(&self, role: Role) -> bool {
-        self.choices.columns.get(role.flag()).is_none()
+        !self.choices.columns.contains_key(role.flag())
             && role.stand_ins().iter().all(|r| self.best(*r).is_empty())
     }
 

@@ -134,7 +134,7 @@ pub struct Proposal {
 /// Turns signs and takes offsets off, as the flags say; then looks for what they might still do.
 pub(crate) fn settle(rows: &mut Rows, choices: &Choices, noise: f64) -> (Vec<String>, Vec<Proposal>) {
     let (mut done, mut proposals) = (Vec::new(), Vec::new());
-    if rows.len() == 0 {
+    if rows.is_empty() {
         return (done, proposals);
     }
     let found = (is_negative(&rows.displacement), is_negative(&rows.force));

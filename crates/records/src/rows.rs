@@ -164,6 +164,11 @@ impl Rows {
         self.row.len()
     }
 
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.row.is_empty()
+    }
+
     /// Keeps the rows that are marked.
     pub fn keep(&mut self, marked: &[bool]) {
         fn some<T: Copy>(all: &mut Vec<T>, marked: &[bool]) {

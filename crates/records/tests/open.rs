@@ -93,7 +93,7 @@ fn a_rate_stands_for_the_time_of_a_motion_that_never_stops() {
         |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
     assert!(close(&read(&text, &[("rate", "0.1")]).tests[0].full.time, &[0.0, 1.0, 3.0, 5.0]));
     assert!(close(&read(&text, &[("rate", "6 mm/min")]).tests[0].full.time, &[0.0, 1.0, 3.0, 5.0]));
-    let message = told(&format!("Extension [mm],Load [N]\n0,0\n0.1,1\n0.1,1\n0.2,3\n"), &[("rate", "0.1")]);
+    let message = told("Extension [mm],Load [N]\n0,0\n0.1,1\n0.1,1\n0.2,3\n", &[("rate", "0.1")]);
     assert!(message.contains("a.csv:4: error") && message.contains("--frequency HZ"), "{message}");
 }
 

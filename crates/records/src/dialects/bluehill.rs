@@ -26,7 +26,7 @@ pub(super) const DIALECT: Dialect = Dialect {
         };
         let names = |l: &str| ["time", "zeit", "temps"].iter().any(|t| a_line_holds(&[l], &[t]));
         let units = |l: &str| l.trim_start_matches('"').to_lowercase().starts_with("(s");
-        head.iter().any(|l| group(l)) || head.windows(2).any(|w| names(w[0]) && units(w[1]))
+        head.iter().any(group) || head.windows(2).any(|w| names(w[0]) && units(w[1]))
     },
     hints: |_| Hints {
         columns: &[(Role::Displacement, "extension"), (Role::Force, "load"), (Role::Time, "time")],
