@@ -11,7 +11,9 @@ static TOLD: Mutex<Option<String>> = Mutex::new(None);
 /// Keeps what a panic says for [`guarded`], instead of printing it.
 pub fn panics_are_told() {
     std::panic::set_hook(Box::new(|info| {
-        let said = info.payload_as_str().unwrap_or("no reason given");
+        let said = info.payload();
+        let said = said.downcast_ref::<&str>().copied().or(said.downcast_ref::<String>().map(String::as_str));
+        let said = said.unwrap_or("no reason given");
         let place = info.location().map_or(String::new(), |l| format!(" at {}:{}", l.file(), l.line()));
         let mut told = TOLD.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         told.get_or_insert(format!("{said}{place}"));
