@@ -162,6 +162,12 @@ fn normalised(models: &[Judged], prior: &SetPrior, way: usize) -> Vec<SetProbabi
             with_something_else: (other - sum).exp(),
         })
         .collect();
+    // Differences of large logarithms leave a sum that is 1 but for rounding.
+    let all: f64 = sets.iter().map(|s| s.probability + s.with_something_else).sum();
+    for s in &mut sets {
+        s.probability /= all;
+        s.with_something_else /= all;
+    }
     sets.sort_by(|a, b| {
         let total = |s: &SetProbability| s.probability + s.with_something_else;
         b.probability
@@ -183,6 +189,7 @@ fn brief(sets: &[SetProbability]) -> Brief {
             *out.effects.entry(e.clone()).or_default() += s.probability + s.with_something_else;
         }
     }
+    out.effects.values_mut().for_each(|p| *p = p.min(1.0));
     out
 }
 
