@@ -207,6 +207,9 @@ pub fn score(
     Ok(Screen { findings, pairs, chi2, freedom })
 }
 
+/// A candidate with its columns, one matrix per shape.
+type Projected<'a> = (&'a Candidate, Vec<DMatrix<f64>>);
+
 /// What each candidate's shapes leave after the base jacobian took what it can imitate, whitened.
 pub(crate) fn projected<'a>(
     white: &Whitened,
@@ -214,7 +217,7 @@ pub(crate) fn projected<'a>(
     candidates: &'a [Candidate],
     points: usize,
     policy: &Policy,
-) -> Result<Vec<(&'a Candidate, Vec<DMatrix<f64>>)>, ScreenError> {
+) -> Result<Vec<Projected<'a>>, ScreenError> {
     lengths(candidates, points)?;
     let whitened: Vec<Candidate> = candidates.par_iter().map(|c| c.whiten(white)).collect();
     let base = white.without(at_bound);
