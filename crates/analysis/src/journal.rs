@@ -98,14 +98,15 @@ pub(crate) struct Asked<'a> {
     pub cancelled: crate::Cancelled<'a>,
 }
 
+/// Who hears of every run of a fit.
+type Observer<'a> = &'a mut dyn FnMut(&Iterate) -> ControlFlow<()>;
+
 /// Does a fit, or takes the one that was kept. `search` does it; `observer` hears of every run either way.
 pub(crate) fn remembered(
     journal: &dyn Journal,
     asked: &Asked,
-    observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
-    search: &mut dyn FnMut(
-        &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
-    ) -> Result<(Fit, Option<String>), FitError>,
+    observer: Observer,
+    search: &mut dyn FnMut(Observer) -> Result<(Fit, Option<String>), FitError>,
 ) -> Result<Done, AnalysisError> {
     let key = asked.key();
     let points = asked.data.points();

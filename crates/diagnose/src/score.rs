@@ -208,7 +208,7 @@ pub fn score(
 }
 
 /// A candidate with its columns, one matrix per shape.
-type Projected<'a> = (&'a Candidate, Vec<DMatrix<f64>>);
+type WithShapes<'a> = (&'a Candidate, Vec<DMatrix<f64>>);
 
 /// What each candidate's shapes leave after the base jacobian took what it can imitate, whitened.
 pub(crate) fn projected<'a>(
@@ -217,7 +217,7 @@ pub(crate) fn projected<'a>(
     candidates: &'a [Candidate],
     points: usize,
     policy: &Policy,
-) -> Result<Vec<Projected<'a>>, ScreenError> {
+) -> Result<Vec<WithShapes<'a>>, ScreenError> {
     lengths(candidates, points)?;
     let whitened: Vec<Candidate> = candidates.par_iter().map(|c| c.whiten(white)).collect();
     let base = white.without(at_bound);

@@ -50,7 +50,7 @@ impl Times {
             return (own[2 * branch], own[2 * branch + 1]);
         }
         let (x, weight) = HALF[branch / 2];
-        let x = if branch % 2 == 0 { x } else { -x };
+        let x = if branch.is_multiple_of(2) { x } else { -x };
         let length = (own[2] / own[1]).ln();
         // Which of the two times is the longer does not matter.
         let size = if length.value() < 0.0 { -length } else { length };
