@@ -101,12 +101,15 @@ pub(crate) struct Asked<'a> {
 /// Who hears of every run of a fit.
 type Observer<'a> = &'a mut dyn FnMut(&Iterate) -> ControlFlow<()>;
 
+/// A fit, with a sentence on its starts where there were several.
+type Found = Result<(Fit, Option<String>), FitError>;
+
 /// Does a fit, or takes the one that was kept. `search` does it; `observer` hears of every run either way.
 pub(crate) fn remembered(
     journal: &dyn Journal,
     asked: &Asked,
     observer: Observer,
-    search: &mut dyn FnMut(Observer) -> Result<(Fit, Option<String>), FitError>,
+    search: &mut dyn FnMut(Observer) -> Found,
 ) -> Result<Done, AnalysisError> {
     let key = asked.key();
     let points = asked.data.points();
