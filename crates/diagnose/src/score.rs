@@ -207,6 +207,9 @@ pub fn score(
     Ok(Screen { findings, pairs, chi2, freedom })
 }
 
+/// A candidate, and what each of its shapes does that no base parameter imitates.
+pub(crate) type Shapes<'a> = (&'a Candidate, Vec<DMatrix<f64>>);
+
 /// What each candidate's shapes leave after the base jacobian took what it can imitate, whitened.
 pub(crate) fn projected<'a>(
     white: &Whitened,
@@ -214,7 +217,7 @@ pub(crate) fn projected<'a>(
     candidates: &'a [Candidate],
     points: usize,
     policy: &Policy,
-) -> Result<Vec<(&'a Candidate, Vec<DMatrix<f64>>)>, ScreenError> {
+) -> Result<Vec<Shapes<'a>>, ScreenError> {
     lengths(candidates, points)?;
     let whitened: Vec<Candidate> = candidates.par_iter().map(|c| c.whiten(white)).collect();
     let base = white.without(at_bound);
