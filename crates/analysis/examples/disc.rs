@@ -40,6 +40,10 @@ fn main() {
                     t.elapsed().as_secs_f64(),
                     l.runs()
                 );
+                match analysis::probable(&l) {
+                    Ok(p) => println!("   {}", p.sentence()),
+                    Err(e) => println!("   no probabilities: {e}"),
+                }
                 let tried = d.tried.iter().filter(|r| !d.ladder.contains(r));
                 for r in d.ladder.iter().chain(tried) {
                     println!(

@@ -5,7 +5,6 @@ use crate::identify::AnalysisError;
 use crate::journal::Journal;
 use crate::ladder::{FeLadder, How, NextTest};
 use crate::parsimony::OneStrength;
-use crate::probable::{Probable, probable};
 use crate::problem::Cancelled;
 use diagnose::{Finding, Policy, Rung, Screen, Verdict};
 use input::{Case, EffectConfig};
@@ -100,9 +99,6 @@ pub struct DiscoverAnswer {
     pub one_strength: Option<OneStrength>,
     /// What would separate the rivals.
     pub next_test: Option<NextTest>,
-    /// Probabilities of what was fitted, and what is left.
-    #[serde(flatten)]
-    pub probable: Option<Probable>,
     /// Forward runs.
     pub forward_runs: usize,
     /// Wall time, s.
@@ -210,7 +206,6 @@ pub fn diagnose(
     );
     let group = |f: &&Finding| std::iter::once(f.effect.clone()).chain(f.look_alikes.clone()).collect();
     let answer = answer(&ladder, &screen, start, &policy);
-    words.extend(answer.probable.iter().map(Probable::sentence));
     Ok(DiscoverAnswer {
         found: called.first().map(|f| vec![f.effect.clone()]).unwrap_or_default(),
         groups: called.first().map(|f| vec![group(f)]).unwrap_or_default(),
@@ -236,7 +231,6 @@ fn answer(ladder: &FeLadder, screen: &Screen, start: Instant, policy: &Policy) -
         place: compare::places(&compare::residuals_of(ladder)),
         one_strength: None,
         next_test: None,
-        probable: probable(ladder).inspect_err(|why| ladder.say(&format!("no probabilities: {why}"))).ok(),
         forward_runs: ladder.runs(),
         seconds: start.elapsed().as_secs_f64(),
     }
@@ -259,8 +253,7 @@ pub fn discover(
         FeLadder::new(case, How { catalogue, policy: policy.clone(), progress, cancelled, journal })?;
     let d = ladder.search()?;
     let answer = answer(&ladder, &d.screen, start, &policy);
-    let mut words = vec![diagnose::words::verdict(&d, &policy)];
-    words.extend(answer.probable.iter().map(Probable::sentence));
+    let words = vec![diagnose::words::verdict(&d, &policy)];
     Ok(DiscoverAnswer {
         ladder: d.ladder.iter().map(|r| ladder_row(&ladder, r)).collect(),
         found: d.found.clone(),

@@ -207,8 +207,8 @@ pub fn score(
     Ok(Screen { findings, pairs, chi2, freedom })
 }
 
-/// A candidate with its columns, one matrix per shape.
-type WithShapes<'a> = (&'a Candidate, Vec<DMatrix<f64>>);
+/// A candidate, and what each of its shapes does that no base parameter imitates.
+pub(crate) type Shapes<'a> = (&'a Candidate, Vec<DMatrix<f64>>);
 
 /// What each candidate's shapes leave after the base jacobian took what it can imitate, whitened.
 pub(crate) fn projected<'a>(
@@ -217,7 +217,7 @@ pub(crate) fn projected<'a>(
     candidates: &'a [Candidate],
     points: usize,
     policy: &Policy,
-) -> Result<Vec<WithShapes<'a>>, ScreenError> {
+) -> Result<Vec<Shapes<'a>>, ScreenError> {
     lengths(candidates, points)?;
     let whitened: Vec<Candidate> = candidates.par_iter().map(|c| c.whiten(white)).collect();
     let base = white.without(at_bound);

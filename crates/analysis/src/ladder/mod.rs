@@ -257,11 +257,6 @@ impl FeLadder<'_> {
             .map(|(_, f)| f)
     }
 
-    /// Tells whom the search tells.
-    pub(crate) fn say(&self, what: &str) {
-        (self.progress)(what);
-    }
-
     /// The effects that are searched.
     pub const fn catalogue(&self) -> &Catalogue {
         self.catalogue
