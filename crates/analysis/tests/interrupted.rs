@@ -98,7 +98,8 @@ fn another_record_is_another_search() {
     let (folder, case) = case();
     let journal = Memory::default();
     search(&case, &journal, &|| false).unwrap();
-    let kept = journal.found.load(Ordering::Relaxed);
+    // A search may ask for one fit twice.
+    let own = journal.found.load(Ordering::Relaxed);
     let record = folder.path().join("tearing.csv");
     let text = std::fs::read_to_string(&record).unwrap().replace(",0.08", ",0.0801");
     std::fs::write(&record, text).unwrap();
@@ -106,5 +107,5 @@ fn another_record_is_another_search() {
     let changed = Arc::new(input::read_case(&file, &effects::catalogue()).unwrap());
     assert_ne!(changed.inputs, case.inputs);
     search(&changed, &journal, &|| false).unwrap();
-    assert_eq!(journal.found.load(Ordering::Relaxed), kept);
+    assert_eq!(journal.found.load(Ordering::Relaxed), 2 * own);
 }

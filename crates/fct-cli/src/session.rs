@@ -101,11 +101,11 @@ impl Session {
     /// # Errors
     /// Everything that is wrong with the files.
     pub fn identified_case(&self, run: &Path) -> Result<Arc<Case>, Failure> {
-        let case = self.fitted_case(run)?;
         if !run.is_dir() {
-            return Ok(case);
+            return self.fitted_case(run);
         }
         let stored = StoredRun::read(run)?;
+        let case = self.fitted_case(run)?;
         if let Some(file) = case.inputs.iter().find(|i| changed(i, &stored)) {
             return Err(Failure::usage(format!(
                 "fct: {}: this file has changed since {} was made from it; identify again",
