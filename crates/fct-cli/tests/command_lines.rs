@@ -149,7 +149,6 @@ fn arguments_that_are_no_text() -> Tested {
 }
 
 #[test]
-#[ignore = "a run's record of its arguments (session.rs, RunInfo) takes text alone"]
 fn arguments_that_are_no_text_in_a_run() -> Tested {
     let (odd, word) = (odd_name, |w: &str| OsString::from(w));
     end_well(&[
@@ -185,7 +184,6 @@ fn a_closed_pipe_is_no_panic() -> Tested {
 }
 
 #[test]
-#[ignore = "what is said on stderr is written with eprintln (outcome.rs, session.rs), which panics where nobody listens"]
 fn a_closed_stderr_is_no_panic() -> Tested {
     scripts_end_well(&[
         "FCT check nowhere.toml 2> >(true); exit $?",

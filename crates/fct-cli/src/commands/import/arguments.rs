@@ -11,7 +11,7 @@ pub struct Arguments {
     /// Files of the testing machine (text, xlsx, xls, ods), in the order of the tests on the piece
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
-    /// A specimen or config whose [geometry] is taken; default: what the header of a file says
+    /// A specimen or config whose `[geometry]` is taken; default: what the header of a file says
     #[arg(long, value_name = "FILE")]
     pub geometry: Option<PathBuf>,
     /// What was tested: one for all files, or one per file (uniaxial, tearing)
