@@ -210,6 +210,11 @@ fn ten_thousand_points_open_within_a_second() -> Tested {
         let f = m + 0.001 * (t * 50.0).sin();
         writeln!(curve, "{t},{u},{f},{m},{},load {}", f - m, 1 + i / 1000)?;
     }
+    // A run whose files are not as they were written would be refused.
+    let manifest = here.join("big/manifest.json");
+    let mut files: serde_json::Value = serde_json::from_slice(&fs::read(&manifest)?)?;
+    files["files"]["curves/tearing.csv"] = input::sha256(curve.as_bytes()).into();
+    fs::write(&manifest, files.to_string())?;
     fs::write(here.join("big/curves/tearing.csv"), curve)?;
     let out = fct(here, &["report", "big"])?;
     assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
