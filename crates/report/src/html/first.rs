@@ -114,11 +114,16 @@ fn together(a: &IdentifyAnswer, end: &str, all: &[&ParameterAnswer]) -> [String;
     };
     let range = match (ends(0, f64::min), ends(1, f64::max)) {
         (Some(low), Some(high)) => {
-            format!("; their 95 % intervals lie within {} – {}", significant(low, 3), significant(high, 3))
+            let theirs =
+                if fixed.len() == 1 { "its 95 % interval is" } else { "their 95 % intervals lie within" };
+            format!("; {theirs} {} – {}", significant(low, 3), significant(high, 3))
         }
         _ => String::new(),
     };
-    let what = format!("mean ± SD of the {} of {} areas that the records fix{range}", fixed.len(), all.len());
+    let what = match fixed.len() {
+        1 => format!("of the only one of {} areas that the records fix{range}", all.len()),
+        n => format!("mean ± SD of the {n} of {} areas that the records fix{range}", all.len()),
+    };
     [format!("{} {unit}", pair(mean_sd(&fixed))), what]
 }
 
