@@ -282,6 +282,49 @@ fn numbers_are_whole_on_a_phone_and_bars_in_print() -> Tested {
     Ok(())
 }
 
+/// Keeps every upright text that is on a canvas: text, left edge, height of its line, width, size of the font.
+const KEEP_TEXTS: &str = r"(() => {
+  const P = CanvasRenderingContext2D.prototype, fill = P.fillText, clear = P.clearRect;
+  window.drawn = new Map();
+  P.clearRect = function (...a) { drawn.set(this.canvas, []); return clear.apply(this, a); };
+  P.fillText = function (t, x, y, ...r) {
+    const m = this.getTransform();
+    if (Math.abs(m.b) < 1e-6) {
+      const w = this.measureText(t).width;
+      const left = this.textAlign === 'right' ? x - w : this.textAlign === 'center' ? x - w / 2 : x;
+      if (!drawn.has(this.canvas)) drawn.set(this.canvas, []);
+      drawn.get(this.canvas).push([t, m.e + left, m.f + y, w, parseFloat(this.font.match(/([0-9.]+)px/)[1])]);
+    }
+    return fill.call(this, t, x, y, ...r);
+  };
+})()";
+
+/// Labels of the axes do not overprint, and every chart, that of the misfit too, has some on both axes.
+#[test]
+#[ignore = "needs Chromium; `just browser`"]
+fn labels_of_the_axes_stand_apart() -> Tested {
+    let chromium = driver::found().ok_or("no chromium on the path and no $CHROMIUM")?;
+    let folder = synthetic()?;
+    let here = folder.path();
+    let out = fct(here, &["identify", "fit.toml", "--out", "run", "--quiet"])?;
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    let mut page = Page::open(&chromium)?;
+    page.call("Page.addScriptToEvaluateOnNewDocument", serde_json::json!({ "source": KEEP_TEXTS }))?;
+    for width in [1280, 390] {
+        page.load(&here.join("run/report.html"), width, "light")?;
+        let found = page.ask(
+            "(() => { const all = [...drawn.values()].filter(l => l.length > 0);
+              const over = l => l.flatMap((a, i) => l.slice(i + 1).filter(b => Math.abs(a[2] - b[2]) < 0.8 * a[4]
+                && a[1] < b[1] + b[3] && b[1] < a[1] + a[3]).map(b => a[0] + ' on ' + b[0]));
+              return [all.length, all.flatMap(over), Math.min(...all.map(l => new Set(l.map(t => t[2])).size))]; })()",
+        )?;
+        assert!(found[0].as_u64().is_some_and(|n| n >= 4), "{found}");
+        assert_eq!(found[1], serde_json::json!([]), "{width} px");
+        assert!(found[2].as_u64().is_some_and(|n| n >= 3), "{found}");
+    }
+    Ok(())
+}
+
 /// A record whose segments are markup: it is read as text, nothing of it runs, and the policy has nothing to stop.
 #[test]
 #[ignore = "needs Chromium; `just browser`"]
