@@ -157,19 +157,18 @@ fn noisy_repeats_confirm_the_promised_power() {
     }
 }
 
-/// `just design-power`. Asserted where an effect is linear at the size in question; what others do is printed: an effect that the
+/// `just design-power`. It fails today: the promise is linear, and an effect that the
 /// base parameters imitate nearly (compliance, prestretch, grip_slip here) shows by what is not linear in it.
 #[test]
 #[ignore = "many repeats: minutes"]
 fn noisy_repeats_of_many_effects() {
-    let linear = ["mullins", "drift", "bridging"];
     let names =
         ["viscoelastic", "mullins", "compliance", "slack", "grip_slip", "drift", "bridging", "prestretch"];
     let found = powers(&names, &[0.5, 0.8], 300);
     for (name, promised, found) in &found {
         println!("{name}: promised {promised}, found {found:.2}");
     }
-    for (name, promised, found) in found.iter().filter(|f| linear.contains(&f.0.as_str())) {
+    for (name, promised, found) in &found {
         assert!((found - promised).abs() < 0.1, "{name}: promised {promised}, found {found}");
     }
 }
