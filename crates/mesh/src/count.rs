@@ -57,11 +57,10 @@ pub fn count(strip: &Strip) -> Result<Count, MeshError> {
     let lines = Lines::new(strip)?;
     let n = [lines.x.len(), lines.y.len(), lines.z.len()];
     let doubled = usize::from(strip.tear && !strip.half_height);
-    let along = lines.x.len() - lines.tip;
     Ok(Count {
         elements: n.map(|n| n - 1),
         ahead: n[0] - 1 - lines.tip,
-        nodes: n.into_iter().product::<usize>() + doubled * along * n[2],
+        nodes: n.into_iter().product::<usize>() + doubled * n[0] * n[2],
         fill: fill([n[0], n[1] + doubled], 3 * n[2]),
     })
 }
