@@ -34,8 +34,10 @@ fn main() {
             }
             *l = now;
         };
+        let (meter, go) = (analysis::Meter::new(true), || false);
+        let metered = analysis::Metered::new(&go, &meter);
         let control =
-            analysis::Control { progress: &progress, cancelled: &|| false, journal: &analysis::NoJournal };
+            analysis::Control { progress: &progress, cancelled: &metered, journal: &analysis::NoJournal };
         match analysis::identify(Arc::new(case), &cat, &control) {
             Err(e) => println!("{path}: {e}"),
             Ok(d) => {
@@ -46,6 +48,9 @@ fn main() {
                     d.iterations,
                     d.stopped
                 );
+                for p in meter.spent() {
+                    println!("   {p:?}");
+                }
                 for s in stages.lock().unwrap().iter() {
                     println!("   {:30} runs {:3} rejected {:3} {:7.2}s", s.0, s.1, s.2, s.3);
                 }
