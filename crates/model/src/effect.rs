@@ -4,8 +4,11 @@
 //! report and the docs read everything from its [`Card`] and its parameter list. A user's own
 //! effect implements [`Effect`] outside the workspace and is as good as a built-in one.
 
-use constitutive::PointLaw;
-use input::{OptionSpec, OptionValue, TestKind};
+use constitutive::{Capability, Offers, PointLaw};
+use input::{
+    BulkConfig, Case, EffectConfig, InterfaceConfig, LawRegistry, LawSite, OptionSpec, OptionValue, TestKind,
+};
+use laws::Laws;
 use params::ParamSpec;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -231,6 +234,13 @@ pub trait Effect: Send + Sync {
         Vec::new()
     }
 
+    /// What it asks of the law it acts on under these options. A law that does not offer it is refused when a file is
+    /// read, and such an effect is no candidate of a search.
+    fn asks(&self, options: &Options) -> Vec<Capability> {
+        let _ = options;
+        Vec::new()
+    }
+
     /// Grid of parameter values on which the neutral amplitude is screened; every entry is a full
     /// parameter vector with the amplitude at its neutral value. One entry where there is no shape.
     fn shapes(&self, scales: &Scales) -> Vec<Vec<f64>>;
@@ -243,22 +253,71 @@ pub trait Effect: Send + Sync {
     fn act(&self, options: &Options, piece: &Piece) -> Action;
 }
 
-/// A list of effects that can be asked by name.
-#[derive(Clone, Default)]
+/// Effects and laws that can be asked by name. Without more being said, the laws are those of [`laws::registry`].
+#[derive(Clone)]
 pub struct Catalogue {
     effects: Vec<Arc<dyn Effect>>,
+    laws: Laws,
+}
+
+impl Default for Catalogue {
+    fn default() -> Self {
+        Self::new(Vec::new())
+    }
 }
 
 impl Catalogue {
     /// A catalogue of these effects, in this order.
     pub fn new(effects: Vec<Arc<dyn Effect>>) -> Self {
-        Self { effects }
+        Self { effects, laws: laws::registry() }
     }
 
     /// The same with one more.
     pub fn with(mut self, effect: Arc<dyn Effect>) -> Self {
         self.effects.push(effect);
         self
+    }
+
+    /// The same with other laws.
+    pub fn with_laws(mut self, laws: Laws) -> Self {
+        self.laws = laws;
+        self
+    }
+
+    /// The laws.
+    pub fn laws(&self) -> &Laws {
+        &self.laws
+    }
+
+    /// What the laws of a case offer to effects; nothing for a law that is not in the registry.
+    pub fn offers(&self, bulk: &BulkConfig, interface: &InterfaceConfig) -> Offers {
+        Offers {
+            bulk: self.laws.bulk(&bulk.law).and_then(|l| l.offers(&bulk.options).bulk),
+            cohesion: self.laws.interface(&interface.law).and_then(|l| l.offers(&interface.options).cohesion),
+        }
+    }
+
+    /// What the laws of a case lack for an effect under its options, in words; `None` if they lack nothing.
+    pub fn lacking(
+        &self,
+        effect: &dyn Effect,
+        options: &Options,
+        bulk: &BulkConfig,
+        interface: &InterfaceConfig,
+    ) -> Option<String> {
+        let asks = effect.asks(options);
+        if asks.is_empty() {
+            return None;
+        }
+        let offers = self.offers(bulk, interface);
+        let missing = asks.into_iter().find(|a| !offers.has(*a))?;
+        let law = if missing.is_of_bulk() { &bulk.law } else { &interface.law };
+        Some(format!("law `{law}` has no {}", missing.words()))
+    }
+
+    /// Whether the laws of a case offer what an effect asks of them under its options.
+    pub fn can_act(&self, effect: &dyn Effect, options: &Options, case: &Case) -> bool {
+        self.lacking(effect, options, &case.bulk, &case.interface).is_none()
     }
 
     /// All effects.
@@ -269,6 +328,20 @@ impl Catalogue {
     /// The effect of this name.
     pub fn get(&self, name: &str) -> Option<&Arc<dyn Effect>> {
         self.effects.iter().find(|e| e.card().name == name)
+    }
+}
+
+impl LawRegistry for Catalogue {
+    fn law_names(&self, site: LawSite) -> Vec<String> {
+        self.laws.law_names(site)
+    }
+
+    fn law_options(&self, site: LawSite, law: &str) -> Vec<OptionSpec> {
+        self.laws.law_options(site, law)
+    }
+
+    fn law_parameters(&self, site: LawSite, law: &str, options: &Options) -> Option<Vec<ParamSpec>> {
+        self.laws.law_parameters(site, law, options)
     }
 }
 
@@ -291,5 +364,13 @@ impl input::EffectRegistry for Catalogue {
 
     fn options(&self, effect: &str) -> Vec<OptionSpec> {
         self.get(effect).map_or_else(Vec::new, |e| e.options())
+    }
+
+    fn lacks(&self, effect: &EffectConfig, bulk: &BulkConfig, interface: &InterfaceConfig) -> Option<String> {
+        let found = self.get(&effect.name)?;
+        // A law that does not exist was reported as such.
+        self.laws.bulk(&bulk.law)?;
+        self.laws.interface(&interface.law)?;
+        self.lacking(&**found, &effect.options, bulk, interface)
     }
 }

@@ -217,10 +217,6 @@ impl Model {
 
     /// δc of an area and its derivatives by (Gc, σc).
     fn threshold(&self, area: usize, theta: &[f64]) -> (f64, [f64; 2]) {
-        let at = |what: &str| self.find(&format!("interface.area[{}].{what}", area + 1));
-        let (Some(g), Some(s)) = (at("gc"), at("sigma_c")) else { return (f64::INFINITY, [0.0; 2]) };
-        let e = std::f64::consts::E;
-        let (gc, sc) = (theta[g], theta[s]);
-        (gc / (e * sc), [1.0 / (e * sc), -gc / (e * sc * sc)])
+        self.critical_opening(area, theta).unwrap_or((f64::INFINITY, [0.0; 2]))
     }
 }

@@ -1,0 +1,9 @@
+#![doc = include_str!("../README.md")]
+
+pub mod bulk;
+mod entry;
+pub mod interface;
+mod registry;
+
+pub use entry::{BulkLaw, InterfaceLaw, LawCard, LawEntry, Settings};
+pub use registry::{Laws, registry};
