@@ -57,6 +57,7 @@ const TESTS_MAY_SEE: &[(&str, &[&str])] = &[
     ("fem", &["hgo", "cohesive"]),
     ("input", &["laws"]),
     ("effects", &["hgo", "laws"]),
+    ("fct-cli", &["laws"]),
     ("diagnose", &["params"]),
     ("analysis", &["effects"]),
     ("model", &["effects"]),

@@ -1,0 +1,86 @@
+//! Cards as text: a Markdown page of the whole registry.
+
+use crate::entry::{LawCard, LawEntry, Settings};
+use crate::registry::Laws;
+use input::{OptionKind, OptionSpec, OptionValue};
+use params::ParamSpec;
+use std::fmt::Write;
+
+/// The registry as a Markdown page: an overview of each site, then one section per law.
+pub fn markdown(laws: &Laws) -> String {
+    let mut out = String::from(
+        "# The laws\n\n\
+         Written by `just book` from the cards in `crates/laws`. `[bulk] law = \"…\"` and `[interface] law = \"…\"` choose\n\
+         one; without, it is the first. The volumetric part of every bulk law is\n\
+         U(J) = (1/D)((J² − 1)/2 − ln J), C̄ = J^(−2/3) C. How to add a law: `docs/adding-a-law.md`.\n",
+    );
+    for (title, site) in [("Bulk", input::LawSite::Bulk), ("Interface", input::LawSite::Interface)] {
+        let _ = write!(out, "\n## {title}\n\n| law | is |\n|---|---|\n");
+        for card in laws.cards(site) {
+            let _ = writeln!(out, "| [`{0}`](#{0}) | {1} |", card.name, cell(card.summary));
+        }
+    }
+    for law in laws.all_bulk() {
+        out.push_str(&section(law.card(), &most(&**law), &law.options()));
+    }
+    for law in laws.all_interface() {
+        out.push_str(&section(law.card(), &most(&**law), &law.options()));
+    }
+    out
+}
+
+/// A law's parameters with its list as long as its settings can make it.
+fn most<const G: usize>(law: &dyn LawEntry<G>) -> Vec<ParamSpec> {
+    let largest = law.options().into_iter().filter_map(|o| match o.kind {
+        OptionKind::Integer { max, .. } => Some((o.name, OptionValue::Integer(max))),
+        _ => None,
+    });
+    law.parameters(&largest.collect::<Settings>())
+}
+
+fn section(card: &LawCard, specs: &[ParamSpec], options: &[OptionSpec]) -> String {
+    let mut out = format!("\n### {}\n\n{}\n\n```text\n{}\n```\n\n", card.name, card.summary, card.equation);
+    out.push_str(
+        "| parameter | key | start | bounds of a search | prior | is |\n|---|---|---|---|---|---|\n",
+    );
+    for p in specs.iter().filter(|p| !p.internal) {
+        let prior = match p.expected {
+            Some(e) => format!("{} (spread {})", number(p.in_file_unit(e.median)), number(e.spread)),
+            None => String::new(),
+        };
+        let _ = writeln!(
+            out,
+            "| {} | `{}` | {}{} | {} to {} | {prior} | {} |",
+            p.symbol,
+            p.key(),
+            number(p.in_file_unit(p.start)),
+            if p.fixed { ", fixed" } else { "" },
+            number(p.in_file_unit(p.lower)),
+            number(p.in_file_unit(p.upper)),
+            cell(&p.description)
+        );
+        if let Some(r) = p.reciprocal {
+            let key = r.quantity.key(r.name);
+            let _ =
+                writeln!(out, "| {}/{} | `{key}` | | | | {} |", number(r.numerator), p.symbol, r.description);
+        }
+    }
+    for o in options {
+        let _ = writeln!(out, "\nSetting `{}`: {}.", o.name, o.description);
+    }
+    let _ = writeln!(out, "\nSource: {}.", card.reference);
+    out
+}
+
+fn number(x: f64) -> String {
+    let rounded: f64 = format!("{x:.5e}").parse().unwrap_or(x);
+    if rounded != 0.0 && !(1e-4..1e6).contains(&rounded.abs()) {
+        format!("{rounded:e}")
+    } else {
+        format!("{rounded}")
+    }
+}
+
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|")
+}
