@@ -108,11 +108,13 @@ impl Chosen {
             let owners = self.owners.get(key.name.as_ref()).map(Vec::as_slice).unwrap_or_default();
             let own = law_keys(self.site, &self.specs, &self.options);
             let own = keys::list(own.iter().map(|k| format!("`{}`", k.spelling())), "and");
-            let help = format!(
-                "{} has it; `{}` takes {own}",
-                keys::list(owners.iter().map(|o| format!("`{o}`")), "or"),
-                self.law
-            );
+            let help = if owners.contains(&self.law) {
+                format!("it has under other settings; as it stands it takes {own}")
+            } else {
+                let all = keys::list(owners.iter().map(|o| format!("`{o}`")), "and");
+                let take = if owners.len() > 1 { "take" } else { "takes" };
+                format!("{all} {take} it; `{}` takes {own}", self.law)
+            };
             section
                 .context
                 .report(Report::error(message).key(entry.written).help(help), entry.key_span.clone());
