@@ -195,11 +195,11 @@ fn what_a_law_lacks_is_said_where_it_is_asked_for() {
     for (rest, said) in [
         (
             "[bulk]\nlaw = \"neo_hooke\"\n[effects.fiber_damage]\na = 0.2\n",
-            "case.toml:13:10: error: effect `fiber_damage` cannot act on this model: law `neo_hooke` has no fibre families",
+            "case.toml:14:10: error: effect `fiber_damage` cannot act on this model: law `neo_hooke` has no fibre families",
         ),
         (
             "[bulk]\nlaw = \"yeoh\"\n[effects.viscoelastic]\nrelaxing = \"fibres\"\n",
-            "case.toml:13:10: error: effect `viscoelastic` cannot act on this model: law `yeoh` has no fibre families",
+            "case.toml:14:10: error: effect `viscoelastic` cannot act on this model: law `yeoh` has no fibre families",
         ),
         (
             "[interface]\nlaw = \"ppr\"\n[effects.law_shape]\nn = 1.2\n",
@@ -207,7 +207,7 @@ fn what_a_law_lacks_is_said_where_it_is_asked_for() {
         ),
         (
             "[bulk]\nlaw = \"yeoh\"\n[identify]\npriors.bulk.gamma_deg = { mean = 40, relative_sd = 0.5 }\n",
-            "case.toml:14:13: error: law `yeoh` has no `gamma`",
+            "case.toml:15:13: error: law `yeoh` has no `gamma`",
         ),
     ] {
         let faults = told(rest);

@@ -54,7 +54,7 @@ pub use diagnostics::{Diagnostic, Diagnostics, Excerpt, Severity};
 pub use inputs::{InputFile, sha256};
 pub use keys::{Fallback, Key, Kind, Limits, keys};
 pub use locate::locate;
-pub use read::{LARGEST_TOML, read_case};
+pub use read::{LARGEST_TOML, keys_of_law, read_case};
 pub use registry::{EffectRegistry, LawRegistry, LawSite, OptionKind, OptionSpec};
 pub use schema::json_schema;
 pub use text::{read_text, visible};

@@ -1,7 +1,7 @@
 //! A JSON schema of the files, for editors that complete and check while one types.
 
 use crate::keys::{Fallback, Key, Kind, Limits, of};
-use crate::read::{every_key, key_of, option_key};
+use crate::read::{key_of, keys_of_law, option_key};
 use crate::registry::{EffectRegistry, LawSite};
 use serde_json::{Map, Value, json};
 
@@ -34,7 +34,7 @@ fn of_laws(site: LawSite, registry: &dyn EffectRegistry) -> Value {
     let mut keys = common.clone();
     let mut each = Vec::new();
     for (index, law) in names.iter().enumerate() {
-        let own = every_key(registry, site, law);
+        let own = keys_of_law(registry, site, law);
         let spelt = common.iter().chain(&own).flat_map(Key::spellings).map(|s| s.0);
         let takes = json!({ "propertyNames": { "enum": spelt.collect::<Vec<_>>() } });
         let mut named = json!({ "properties": { "law": { "const": law } } });

@@ -2,7 +2,7 @@
 
 use crate::entry::{LawCard, LawEntry, Settings};
 use crate::registry::Laws;
-use input::{OptionKind, OptionSpec, OptionValue};
+use input::{Key, LawSite, OptionKind, OptionSpec, OptionValue, keys_of_law};
 use params::ParamSpec;
 use std::fmt::Write;
 
@@ -14,17 +14,19 @@ pub fn markdown(laws: &Laws) -> String {
          one; without, it is the first. The volumetric part of every bulk law is\n\
          U(J) = (1/D)((J² − 1)/2 − ln J), C̄ = J^(−2/3) C. How to add a law: `docs/adding-a-law.md`.\n",
     );
-    for (title, site) in [("Bulk", input::LawSite::Bulk), ("Interface", input::LawSite::Interface)] {
+    for (title, site) in [("Bulk", LawSite::Bulk), ("Interface", LawSite::Interface)] {
         let _ = write!(out, "\n## {title}\n\n| law | is |\n|---|---|\n");
         for card in laws.cards(site) {
             let _ = writeln!(out, "| [`{0}`](#{0}) | {1} |", card.name, cell(card.summary));
         }
     }
     for law in laws.all_bulk() {
-        out.push_str(&section(law.card(), &most(&**law), &law.options()));
+        let keys = keys_of_law(laws, LawSite::Bulk, law.card().name);
+        out.push_str(&section(law.card(), &most(&**law), &law.options(), &keys));
     }
     for law in laws.all_interface() {
-        out.push_str(&section(law.card(), &most(&**law), &law.options()));
+        let keys = keys_of_law(laws, LawSite::Interface, law.card().name);
+        out.push_str(&section(law.card(), &most(&**law), &law.options(), &keys));
     }
     out
 }
@@ -38,29 +40,35 @@ fn most<const G: usize>(law: &dyn LawEntry<G>) -> Vec<ParamSpec> {
     law.parameters(&largest.collect::<Settings>())
 }
 
-fn section(card: &LawCard, specs: &[ParamSpec], options: &[OptionSpec]) -> String {
+fn section(card: &LawCard, specs: &[ParamSpec], options: &[OptionSpec], keys: &[Key]) -> String {
+    // Key and factor of its unit, as a file would be written.
+    let spelt = |name: &str| {
+        let key = keys.iter().find(|k| k.name == name);
+        key.map_or_else(|| (name.to_owned(), 1.0), |k| k.spellings().swap_remove(0))
+    };
     let mut out = format!("\n### {}\n\n{}\n\n```text\n{}\n```\n\n", card.name, card.summary, card.equation);
     out.push_str(
         "| parameter | key | start | bounds of a search | prior | is |\n|---|---|---|---|---|---|\n",
     );
     for p in specs.iter().filter(|p| !p.internal) {
+        let (key, factor) = spelt(&p.name);
         let prior = match p.expected {
-            Some(e) => format!("{} (spread {})", number(p.in_file_unit(e.median)), number(e.spread)),
+            Some(e) => format!("{} (spread {})", number(e.median / factor), number(e.spread)),
             None => String::new(),
         };
         let _ = writeln!(
             out,
             "| {} | `{}` | {}{} | {} to {} | {prior} | {} |",
             p.symbol,
-            p.key(),
-            number(p.in_file_unit(p.start)),
+            key,
+            number(p.start / factor),
             if p.fixed { ", fixed" } else { "" },
-            number(p.in_file_unit(p.lower)),
-            number(p.in_file_unit(p.upper)),
+            number(p.lower / factor),
+            number(p.upper / factor),
             cell(&p.description)
         );
         if let Some(r) = p.reciprocal {
-            let key = r.quantity.key(r.name);
+            let (key, _) = spelt(r.name);
             let _ =
                 writeln!(out, "| {}/{} | `{key}` | | | | {} |", number(r.numerator), p.symbol, r.description);
         }

@@ -45,7 +45,7 @@ pub(crate) fn chosen(top: &Section<'_>, registry: &dyn LawRegistry, site: LawSit
     let own = law_keys(site, &specs, &options);
     let (mut foreign, mut owners) = (Vec::new(), BTreeMap::<String, Vec<String>>::new());
     for other in &names {
-        for mut key in every_key(registry, site, other) {
+        for mut key in keys_of_law(registry, site, other) {
             owners.entry(key.name.to_string()).or_default().push(other.clone());
             let spelt = |k: &Key| k.spelling() == key.spelling();
             if !own.iter().any(spelt) && !foreign.iter().any(spelt) {
@@ -57,8 +57,9 @@ pub(crate) fn chosen(top: &Section<'_>, registry: &dyn LawRegistry, site: LawSit
     Chosen { site, law, specs, options, known, foreign, owners }
 }
 
-/// The keys of a law with its list of parameters as long as its settings can make it.
-pub(crate) fn every_key(registry: &dyn LawRegistry, site: LawSite, law: &str) -> Vec<Key> {
+/// The keys of a law, with its list of parameters as long as its settings can make it: each parameter (a reciprocal
+/// before it), then the settings.
+pub fn keys_of_law(registry: &dyn LawRegistry, site: LawSite, law: &str) -> Vec<Key> {
     let options = registry.law_options(site, law);
     let most = options.iter().filter_map(|o| match o.kind {
         crate::registry::OptionKind::Integer { max, .. } => Some((o.name.clone(), OptionValue::Integer(max))),

@@ -13,7 +13,8 @@ mod specimen;
 mod tests;
 
 pub(crate) use effects::option_key;
-pub(crate) use laws::{PER_AREA, every_key};
+pub(crate) use laws::PER_AREA;
+pub use laws::keys_of_law;
 pub(crate) use parameter::key_of;
 
 use crate::case::{Case, Geometry, Test};
@@ -96,7 +97,7 @@ fn read(path: &Path, registry: &dyn EffectRegistry, sink: &Sink) -> Option<Case>
 fn every_law_key(registry: &dyn EffectRegistry) -> Vec<keys::Key> {
     let of = |site: LawSite| {
         let names = registry.law_names(site);
-        names.into_iter().flat_map(move |law| every_key(registry, site, &law))
+        names.into_iter().flat_map(move |law| keys_of_law(registry, site, &law))
     };
     LawSite::ALL.into_iter().flat_map(of).collect()
 }

@@ -15,3 +15,5 @@ pub use holzapfel_ogden::HolzapfelOgden;
 pub use neo_hooke::NeoHooke;
 pub use ogden::Ogden;
 pub use yeoh::Yeoh;
+
+pub use ::hgo::{compliance, fibre_onset};
