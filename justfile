@@ -56,7 +56,7 @@ real:
 
 # Every effect in twenty records of its own: how often intervals hold, errors of the amplitudes (14 minutes).
 recovered:
-    cargo test --release -p analysis --test recovered -- --ignored --nocapture
+    cargo test --release -p analysis recovered:: -- --ignored --nocapture
 
 # Coverage of intervals and uniformity of the screen's p-values, with finite elements (docs/reliability.md): mesh error above the noise, and below it. Forty minutes.
 coverage:
@@ -68,9 +68,9 @@ fuzz:
     #!/usr/bin/env bash
     set -euo pipefail
     if [ -d /dev/shm ]; then export TMPDIR=/dev/shm; fi
-    FCT_CASES=2500000 cargo test --release -p input --test robust _panic
-    FCT_CASES=250000 cargo test --release -p records --test round_trip
-    FCT_CASES=100000 cargo test --release -p workspace-tests --test config_to_model
+    FCT_CASES=2500000 cargo test --release -p input _panic
+    FCT_CASES=250000 cargo test --release -p records round_trip::
+    FCT_CASES=100000 cargo test --release -p workspace-tests config_to_model::
 
 # Changes the code of four crates, one place at a time, and asks their tests to notice (docs/reliability.md). Hours; needs `cargo install cargo-mutants --locked`. Without `--shard`: every mutant.
 mutants:
@@ -90,11 +90,11 @@ mutants:
 
 # Identify, discover and batch killed 167 times each and stopped by signals 67 times each; full disk, vanished directory.
 kills:
-    FCT_KILLS=167 FCT_SIGNALS=67 cargo test --release -p fct-cli --test killed -- --nocapture --test-threads 1
+    FCT_KILLS=167 FCT_SIGNALS=67 cargo test --release -p fct-cli killed:: -- --nocapture --test-threads 1
 
 # Every file of a run directory damaged in nine ways, read by every command.
 damaged:
-    FCT_EVERY=1 cargo test --release -p fct-cli --test damaged -- --nocapture
+    FCT_EVERY=1 cargo test --release -p fct-cli damaged:: -- --nocapture
 
 # Licence of every crate that is linked into fct, and crates that come in two versions.
 audit:
@@ -103,11 +103,11 @@ audit:
 
 # The report in a real browser (Chromium): rungs clicked, points hovered, numbers checked.
 browser:
-    cargo test -p fct-cli --test browser -- --ignored --nocapture
+    cargo test -p fct-cli browser:: -- --ignored --nocapture
 
 # The pages that are made from the program: keys, JSON schema, catalogue of effects.
 book:
-    UPDATE=1 cargo test -p fct-cli --test reference
+    UPDATE=1 cargo test -p fct-cli reference::
 
 # The manual as a web site in target/book; needs `cargo install mdbook`.
 book-html:
@@ -119,11 +119,11 @@ semver revision="HEAD~1":
 
 # Every hostile file and command line, every number of the tables at values that nobody means (minutes).
 hostile:
-    FCT_HOSTILE=all cargo test -p fct-cli --test hostile --test command_lines -- --nocapture
-    FCT_ALL=1 cargo test -p workspace-tests --test every_number -- --nocapture
+    FCT_HOSTILE=all cargo test -p fct-cli -- hostile:: command_lines:: --nocapture
+    FCT_ALL=1 cargo test -p workspace-tests every_number:: -- --nocapture
 # The power that `fct design` promises against noisy repeats, effect by effect; and long records with jitter (minutes each).
 design-power:
     cargo test -p analysis --lib repeats -- --ignored --nocapture
 
 long-records:
-    cargo test -p analysis --test sampling -- --ignored --nocapture
+    cargo test -p analysis sampling:: -- --ignored --nocapture

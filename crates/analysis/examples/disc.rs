@@ -12,13 +12,16 @@ fn main() {
             }
         };
         let policy = diagnose::Policy::default();
+        let meter = analysis::Meter::new(true);
+        let go = || false;
+        let metered = analysis::Metered::new(&go, &meter);
         let mut l = match analysis::FeLadder::new(
             Arc::new(case),
             analysis::How {
                 catalogue: &cat,
                 policy: policy.clone(),
                 progress: &progress,
-                cancelled: &|| false,
+                cancelled: &metered,
                 journal: &analysis::NoJournal,
             },
         ) {
@@ -40,6 +43,16 @@ fn main() {
                     t.elapsed().as_secs_f64(),
                     l.runs()
                 );
+                for p in meter.spent() {
+                    println!(
+                        "      {:?}: {} runs, {} steps, {} iterations, {:.1} CPU s",
+                        p.phase,
+                        p.runs,
+                        p.load_steps,
+                        p.newton_iterations,
+                        p.cpu_seconds.unwrap_or_default()
+                    );
+                }
                 match analysis::probable(&l) {
                     Ok(p) => println!("   {}", p.sentence()),
                     Err(e) => println!("   no probabilities: {e}"),

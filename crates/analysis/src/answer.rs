@@ -1,6 +1,7 @@
 //! The answers of compare, diagnose and discover, in the contract's words.
 
 use crate::compare::{self, Where};
+use crate::cost::PhaseCost;
 use crate::identify::AnalysisError;
 use crate::journal::Journal;
 use crate::ladder::{FeLadder, How, NextTest};
@@ -103,6 +104,8 @@ pub struct DiscoverAnswer {
     pub forward_runs: usize,
     /// Wall time, s.
     pub seconds: f64,
+    /// What each phase took.
+    pub cost: Vec<PhaseCost>,
 }
 
 fn screen_rows(screen: &Screen, policy: &Policy, catalogue: &Catalogue) -> Vec<ScreenRow> {
@@ -233,6 +236,7 @@ fn answer(ladder: &FeLadder, screen: &Screen, start: Instant, policy: &Policy) -
         next_test: None,
         forward_runs: ladder.runs(),
         seconds: start.elapsed().as_secs_f64(),
+        cost: Vec::new(),
     }
 }
 

@@ -137,7 +137,7 @@ pub(crate) fn remembered(
         Err(FitError::Start(PredictError::NotComputable(why))) => Some(Stored::NoStart(why.clone())),
         Err(_) => None,
     };
-    if let Some(stored) = stored.filter(|_| !(asked.cancelled)())
+    if let Some(stored) = stored.filter(|_| !asked.cancelled.stops())
         && let Ok(bytes) = postcard::to_allocvec(&stored)
     {
         journal.put(&key, &bytes);

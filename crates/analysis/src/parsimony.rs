@@ -2,6 +2,7 @@
 //! the tear is how a missing effect looks: areas imitate it.
 
 use crate::answer::{DiscoverAnswer, LadderRow, ladder_row, word};
+use crate::cost::{Phase, Within};
 use crate::identify::AnalysisError;
 use crate::journal::Journal;
 use crate::ladder::{FeLadder, How};
@@ -48,7 +49,9 @@ pub fn one_strength(
         return Ok(None);
     }
     progress("one strength along the path, for comparison");
-    let policy = Policy::default();
+    cancelled.phase(Phase::OneStrength);
+    let (policy, within) = (Policy::default(), Within(cancelled));
+    let cancelled: Cancelled = &within;
     let said = |line: &str| progress(&format!("one strength: {line}"));
     let how = How { catalogue, policy: policy.clone(), progress: &said, cancelled, journal };
     let (rungs, rows) = if many.forms.len() > case.effects.len() {

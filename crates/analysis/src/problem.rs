@@ -1,5 +1,6 @@
 //! The finite-element model as an inverse problem: free parameters in, record points out.
 
+use crate::cost::Watch;
 use crate::data::Slot;
 use fem::Warm;
 use inverse::{PredictError, Prediction, Problem};
@@ -8,8 +9,8 @@ use nalgebra::{DMatrix, DVector};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Asked between steps: whether the user wants to stop.
-pub type Cancelled<'a> = &'a (dyn Fn() -> bool + Sync);
+/// Asked between steps: whether the user wants to stop; told what is done.
+pub type Cancelled<'a> = &'a dyn Watch;
 
 /// Runs kept per test as first guesses: an accepted point with its derivatives, and a trial.
 const KEPT: usize = 2;
@@ -124,10 +125,11 @@ impl<'a> FeProblem<'a> {
         options.march.keep_gradients = !seeds.is_empty();
         let warm = self.nearest(theta);
         self.runs.fetch_add(1, Ordering::Relaxed);
-        let request =
-            Request { theta, seeds, options, wanted: &wanted, warm: &warm, cancelled: self.cancelled };
+        let stops = || self.cancelled.stops();
+        let request = Request { theta, seeds, options, wanted: &wanted, warm: &warm, cancelled: &stops };
         let runs = self.model.run(&request).map_err(|e| PredictError::NotComputable(e.to_string()))?;
-        if (self.cancelled)() {
+        self.cancelled.ran(&runs);
+        if self.cancelled.stops() {
             return Err(PredictError::Interrupted);
         }
         self.keep(&runs, theta, seeds);

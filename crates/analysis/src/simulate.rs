@@ -1,6 +1,7 @@
 //! Forward runs at given values: what the load cell and the camera would read, with energies,
 //! jumps and states.
 
+use crate::cost::Phase;
 use crate::identify::{AnalysisError, Identified, run_options};
 use crate::problem::Cancelled;
 use fem::{FemError, History, MarchOptions, Run, State, Target, march};
@@ -114,13 +115,14 @@ pub fn replay(
     identified: &Identified,
     control: &SimulateControl,
 ) -> Result<Vec<SimulatedTest>, AnalysisError> {
+    control.cancelled.phase(Phase::Replay);
     let model = &identified.model;
     let options: RunOptions = identified.options;
     let march = MarchOptions { ledger: true, keep_states: true, ..options.march };
     let tests: Vec<(Plan, MarchOptions)> =
         (0..model.tests.len()).map(|t| (model.plan(t, &options), march)).collect();
     let replayed = run_all(model, &identified.theta, &tests, control)?;
-    if (control.cancelled)() && replayed.iter().any(|t| t.failure.is_some()) {
+    if control.cancelled.stops() && replayed.iter().any(|t| t.failure.is_some()) {
         return Err(PredictError::Interrupted.into());
     }
     Ok(replayed)
@@ -153,7 +155,7 @@ fn run_all(
     let done = AtomicUsize::new(0);
     let asked = || {
         (control.progress)(done.fetch_add(1, Ordering::Relaxed).min(total), total);
-        (control.cancelled)()
+        control.cancelled.stops()
     };
     let chains: Vec<Result<Vec<SimulatedTest>, BuildError>> =
         model.chains().par_iter().map(|chain| run_chain(model, theta, chain, tests, &asked)).collect();

@@ -46,7 +46,7 @@ pub enum Command {
     Design(With<design::Arguments, Answers>),
     /// Forward runs: curves, fields, energy ledger
     #[command(
-        after_help = "Examples:\n  fct simulate strip.toml\n  fct simulate strip.toml --out runs/forward --figures pdf,svg"
+        after_help = "Examples:\n  fct simulate strip.toml\n  fct simulate strip.toml --out runs/forward --figures svg"
     )]
     Simulate(With<simulate::Arguments, Runs>),
     /// The paper's inverse analysis: bulk, then the strength along the tear path

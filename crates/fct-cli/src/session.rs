@@ -66,6 +66,8 @@ impl Session {
         if let Some(formats) = &self.common.figures {
             case.output.figures = formats.iter().map(|f| (*f).into()).collect();
         }
+        // Before anything is computed.
+        case.output.figures.iter().try_for_each(|f| unoffered(*f))?;
         for warning in &case.warnings {
             self.say(&warning.to_string());
         }
@@ -201,4 +203,12 @@ pub fn file_name(name: &str) -> String {
         .collect();
     let safe = safe.trim_matches(['.', ' ']).to_owned();
     if safe.is_empty() { "run".into() } else { safe }
+}
+
+/// A format that this build cannot write is a fault of the call.
+///
+/// # Errors
+/// What can be done.
+pub fn unoffered(format: input::Figure) -> Result<(), Failure> {
+    report::figures::offered(format).map_err(|e| Failure::usage(format!("fct: {e}")))
 }

@@ -1,6 +1,6 @@
 //! Cost of the parts of a forward run: element tangent, assembly, factorisation, solution, a step.
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/all/common/mod.rs"]
 mod common;
 
 use common::*;

@@ -1,7 +1,7 @@
 //! How a forward run and its factorisation grow with the unknowns, and how far the factorisation is from what dense
 //! products reach on this machine: `cargo run --release -p fem --example scaling`. One thread.
 
-#[path = "../tests/common/mod.rs"]
+#[path = "../tests/all/common/mod.rs"]
 mod common;
 
 use common::*;

@@ -61,7 +61,7 @@ impl Base<'_> {
                 &camera,
                 options.march,
                 warm.as_ref(),
-                self.cancelled,
+                &|| self.cancelled.stops(),
             );
             test.give_back(system);
             let state = run.last.clone().unwrap_or_else(|| State::virgin(&problem));
@@ -74,6 +74,7 @@ impl Base<'_> {
             });
             before = Some((state, base, extra));
         }
+        self.cancelled.ran(&out);
         Ok(out)
     }
 

@@ -238,7 +238,7 @@ pub(crate) fn foresight_of_records(
         let theta = with_strength(&model, &guess, share);
         match linear(&model, how, &theta, measured.clone(), catalogue, cancelled) {
             Ok(linear) => return linear.foresight(catalogue, &policy, true),
-            Err(e) if cancelled() => return Err(e),
+            Err(e) if cancelled.stops() => return Err(e),
             Err(e) => last = Some(e),
         }
     }

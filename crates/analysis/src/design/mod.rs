@@ -137,7 +137,7 @@ pub fn design(
         };
         match table.weigh(p, &legs, &noise, request) {
             Ok(w) => weighed.push((w, legs)),
-            Err(e) if cancelled() => return Err(e),
+            Err(e) if cancelled.stops() => return Err(e),
             Err(e) => left_out.push((p.name.to_owned(), e.to_string())),
         }
     }
@@ -253,7 +253,7 @@ impl Table<'_> {
                 }
                 Err(e) => last = Some(e),
             }
-            if (self.cancelled)() {
+            if self.cancelled.stops() {
                 break;
             }
         }
@@ -334,7 +334,7 @@ impl Table<'_> {
                     seconds: *seconds,
                     power: linear.separation(a, b, &self.policy, false),
                 }),
-                Err(e) if (self.cancelled)() => return Err(e),
+                Err(e) if self.cancelled.stops() => return Err(e),
                 // What cannot be computed is not proposed.
                 Err(_) => {}
             }

@@ -2,6 +2,7 @@
 
 use super::search::StagePlan;
 use super::{AnalysisError, Identified, SEARCH_TOLERANCE, Stage, TRIAL_BUDGET, Work, frees};
+use crate::cost::Phase;
 use crate::data::Measured;
 use crate::problem::FeProblem;
 use inverse::{
@@ -37,6 +38,7 @@ impl Work<'_> {
         noisy: Measured,
         list: &[StagePlan],
     ) -> Result<Identified, AnalysisError> {
+        self.control.cancelled.phase(Phase::Intervals);
         let free = fine.free();
         let mut list_free = frees(&fine, &self.theta, &free);
         crate::priors::add(&mut list_free, self.case, self.literature);

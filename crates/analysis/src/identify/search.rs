@@ -2,6 +2,7 @@
 
 use super::work::Work;
 use super::{AnalysisError, Stage};
+use crate::cost::Phase;
 use input::{Case, Mode, TestKind};
 use inverse::{FitError, PredictError};
 use model::{Catalogue, Model, Site};
@@ -63,11 +64,13 @@ impl Search<'_> {
         let coarse = self.coarse.filter(|_| self.case.identify.coarse_first);
         work.coarse_level = coarse.is_some();
         let mut starts = vec![work.theta.clone()];
+        work.control.cancelled.phase(Phase::Start);
         if self.case.identify.coarse_first
             && let Some(found) = crate::start::find(self.case, self.catalogue, work, list)?
         {
             starts = found.iter().map(|s| s.spread_from(self.fine, &work.theta)).collect();
         }
+        work.control.cancelled.phase(Phase::Fit);
         if let Some(coarse) = coarse {
             self.coarsely(coarse, work, list, starts)?;
         } else if let Some(theta) = starts.into_iter().next() {

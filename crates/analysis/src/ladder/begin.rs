@@ -52,7 +52,7 @@ impl FeLadder<'_> {
             match self.fit_rung(model, theta, correction, states) {
                 Ok(f) if f.fit.f <= enough => return Ok(f),
                 Ok(f) if best.as_ref().is_ok_and(|b| b.fit.f <= f.fit.f) => {}
-                Err(e) if (self.cancelled)() => return Err(e),
+                Err(e) if self.cancelled.stops() => return Err(e),
                 Err(_) if best.is_ok() => {}
                 answer => best = answer,
             }

@@ -2,6 +2,7 @@
 
 use super::{FeLadder, Fitted};
 use crate::columns::transfer;
+use crate::cost::Phase;
 use crate::identify::{AnalysisError, frees, run_options};
 use crate::journal::{Asked, remembered};
 use crate::problem::FeProblem;
@@ -57,10 +58,12 @@ impl FeLadder<'_> {
             say(&format!("start, {}: iteration {}, {objective}", p.stage.word(), p.iterate.iteration));
         };
         let quiet = crate::Control { progress: &shown, cancelled: self.cancelled, journal: self.journal };
+        self.cancelled.phase(Phase::Start);
         if start && let Some(start) = start::for_case(&self.case, self.catalogue, self.options, &quiet)? {
             start::spread(&model, &start, &mut theta);
         }
         self.first.clone_from(&theta);
+        self.cancelled.phase(Phase::Base);
         let none = DVector::zeros(self.measured.data.points());
         let mut fitted = self.fit_model(model, theta, 1e-2, none, Vec::new())?;
         for _ in 0..ROUNDS {

@@ -14,6 +14,7 @@ mod search;
 pub use next_test::{NextTest, Tried};
 
 use crate::columns::Base;
+use crate::cost::Phase;
 use crate::data::Measured;
 use crate::identify::{AnalysisError, coarser, run_options};
 use crate::journal::Journal;
@@ -157,6 +158,7 @@ impl diagnose::Ladder for FeLadder<'_> {
     /// Side by side: every fit sees the rungs that were there before the call, so that the answer does not
     /// depend on which ends first.
     fn fit_all(&mut self, sets: &[Vec<String>], hints: &diagnose::Hints) -> Vec<Result<Rung, AnalysisError>> {
+        self.cancelled.phase(Phase::Candidates);
         let this = &*self;
         let one = |effects: &Vec<String>| {
             let key = Self::key(effects);
@@ -209,6 +211,7 @@ impl diagnose::Ladder for FeLadder<'_> {
             warm: &f.warm,
             cancelled: self.cancelled,
         };
+        self.cancelled.phase(Phase::Screen);
         (self.progress)(&format!("{}: screen of the catalogue", named(&rung.effects)));
         let screened = base.screen()?;
         self.runs.fetch_add(1 + screened.secant_runs, Ordering::Relaxed);
@@ -238,7 +241,7 @@ impl diagnose::Ladder for FeLadder<'_> {
     }
 
     fn interrupted(&self) -> bool {
-        (self.cancelled)()
+        self.cancelled.stops()
     }
 }
 

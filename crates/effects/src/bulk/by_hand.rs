@@ -1,5 +1,5 @@
 //! Tangents by hand of what decorators do with the stress inside: the hot path of their finite
-//! elements. Derived in docs/theory.md; held equal to the jets by tests/tangents.rs.
+//! elements. Derived in docs/theory.md; held equal to the jets by tests/all/tangents.rs.
 
 use super::symmetric::{Sym, dot, pushed};
 use crate::decorator::Tangent;

@@ -6,6 +6,7 @@ use crate::place::Job;
 use crate::session::Session;
 use ::report::answer::{IdentifyAnswer, SCHEMA};
 use ::report::{html, terminal, write_named};
+use analysis::Meter;
 use rayon::prelude::*;
 use serde_json::json;
 use std::collections::HashSet;
@@ -30,12 +31,15 @@ type Failed = (PathBuf, Box<Failure>);
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
     let base = session.common.out.clone().unwrap_or_else(|| "runs".into());
     let places = places(&arguments.files, &base, session);
+    // CPU time is the process's: side by side, nobody's own.
+    let alone = places.len() == 1;
     let results: Vec<Result<Answered, Failed>> = places
         .into_par_iter()
         .map(|(file, read)| {
             let (case, place) = read.map_err(|e| (file.clone(), Box::new(e)))?;
             let progress = session.progress(&case.name);
-            identify(&case, &place, session, &progress).map_err(|e| (file, Box::new(e)))
+            let meter = Meter::new(alone);
+            identify(&case, &place, session, &progress, &meter).map_err(|e| (file, Box::new(e)))
         })
         .collect();
     let (mut answers, mut failed, mut unstored) = (Vec::new(), Vec::new(), Vec::new());

@@ -25,7 +25,7 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     } else {
         let case = session.fitted_case(&arguments.run)?;
         let place = session.place("identify", &case);
-        identify(&case, &place, session, &session.progress(&case.name))?.stored?
+        identify(&case, &place, session, &session.progress(&case.name), &analysis::Meter::new(true))?.stored?
     };
     let run = session.stored(&place)?;
     let found = run.identify().ok_or_else(|| {

@@ -5,7 +5,7 @@ use super::unfinished::kept;
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
 use ::report::{Partial, RunDir, store_discover, store_unfinished, terminal};
-use analysis::DiscoverAnswer;
+use analysis::{DiscoverAnswer, Meter, Metered};
 use input::Case;
 use serde_json::Value;
 use std::path::PathBuf;
@@ -57,18 +57,21 @@ fn search(
 ) -> Result<(DiscoverAnswer, Option<rungs::Top>), Failure> {
     let (progress, journal) = (session.progress(&case.name), dir.journal());
     let (note, cancelled) = (|s: &str| progress.note(s), || session.cancelled());
-    let mut answer = analysis::discover(case.clone(), &session.catalogue, &note, &cancelled, &journal)?;
+    let meter = Meter::new(true);
+    let metered = Metered::new(&cancelled, &meter);
+    let mut answer = analysis::discover(case.clone(), &session.catalogue, &note, &metered, &journal)?;
     if session.cancelled() {
         return Ok((answer, None));
     }
-    let one = analysis::one_strength(case, &session.catalogue, &answer, &note, &cancelled, &journal);
+    let one = analysis::one_strength(case, &session.catalogue, &answer, &note, &metered, &journal);
     answer.one_strength = one.unwrap_or_else(|why| {
         session.say(&format!("one strength along the path could not be tried: {why}"));
         None
     });
     answer.words.extend(answer.one_strength.iter().map(|o| o.words.clone()));
     progress.note("curves and intervals of every rung, on the file's mesh");
-    let top = rungs::store(dir, case, &answer, session)?;
+    let top = rungs::store(dir, case, &answer, session, &metered)?;
+    answer.cost = meter.spent();
     Ok((answer, top))
 }
 

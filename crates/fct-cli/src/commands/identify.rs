@@ -8,7 +8,7 @@ use ::report::answer::IdentifyAnswer;
 use ::report::{
     Curve, Partial, Published, ReportError, RunDir, SearchLog, store_identify, store_partial, terminal,
 };
-use analysis::{AnalysisError, Control, SimulateControl};
+use analysis::{AnalysisError, Control, Meter, Metered, SimulateControl};
 use input::Case;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -40,7 +40,7 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let case = session.fitted_case(&arguments.file)?;
     let place = session.place("identify", &case);
     let progress = session.progress(&case.name);
-    let done = identify(&case, &place, session, &progress)?;
+    let done = identify(&case, &place, session, &progress, &Meter::new(true))?;
     drop(progress);
     let text = terminal::identify(&done.answer, &done.curves, session.style());
     let outcome = Outcome::new(&done.answer, text)?;
@@ -59,6 +59,7 @@ pub fn identify(
     place: &Path,
     session: &Session,
     progress: &Progress,
+    meter: &Meter,
 ) -> Result<Answered, Failure> {
     if let Some(run) = session.finished("identify", case, place)
         && let Some(answer) = run.identify()
@@ -74,8 +75,9 @@ pub fn identify(
         progress.search(p);
     };
     let cancelled = || session.cancelled();
-    let control = Control { progress: &watch, cancelled: &cancelled, journal: &journal };
-    let still = SimulateControl { progress: &|_, _| {}, cancelled: &cancelled };
+    let metered = Metered::new(&cancelled, meter);
+    let control = Control { progress: &watch, cancelled: &metered, journal: &journal };
+    let still = SimulateControl { progress: &|_, _| {}, cancelled: &metered };
     let done = analysis::identify(case.clone(), &session.catalogue, &control)
         .and_then(|done| analysis::replay(&done, &still).map(|replayed| (done, replayed)));
     let (done, replayed) = match done {
@@ -85,7 +87,8 @@ pub fn identify(
             return Err(interrupted(dir, case, session, history, e));
         }
     };
-    let answer = IdentifyAnswer::new(&done, &replayed, published.as_ref(), begun.elapsed().as_secs_f64());
+    let mut answer = IdentifyAnswer::new(&done, &replayed, published.as_ref(), begun.elapsed().as_secs_f64());
+    answer.cost = meter.spent();
     let curves = ::report::identified_curves(&done, &replayed);
     let stored = store_identify(&dir, &done, &replayed, &answer, &session.info("identify", case, true))
         .and_then(|()| dir.finish());

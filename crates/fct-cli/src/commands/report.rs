@@ -1,7 +1,7 @@
 //! `fct report`: one self-contained HTML file per run, or one over the ladder of several runs.
 
 use crate::outcome::{Failure, Outcome};
-use crate::session::Session;
+use crate::session::{Session, unoffered};
 use ::report::answer::SCHEMA;
 use ::report::{StoredRun, amend, exported, figures, html, write_named};
 use serde_json::json;
@@ -51,6 +51,7 @@ fn written(file: &Path, page: &str, session: &Session) -> Result<PathBuf, Failur
 fn plots(run: &StoredRun, session: &Session) -> Result<(), Failure> {
     let Some(formats) = &session.common.figures else { return Ok(()) };
     let formats: Vec<input::Figure> = formats.iter().map(|f| (*f).into()).collect();
+    formats.iter().try_for_each(|f| unoffered(*f))?;
     let figures = exported(&figures::of_run(run)?, &formats)?;
     let figures: Vec<(&str, &[u8])> =
         figures.iter().map(|(name, content)| (name.as_str(), content.as_slice())).collect();

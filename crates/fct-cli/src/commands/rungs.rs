@@ -5,7 +5,9 @@
 use crate::session::Session;
 use ::report::answer::{IdentifyAnswer, StageEnd};
 use ::report::{Begin, Published, ReportError, RunDir, RunJournal, store_rung};
-use analysis::{Control, DiscoverAnswer, Identified, LadderRow, SimulateControl, SimulatedTest};
+use analysis::{
+    Control, DiscoverAnswer, Identified, LadderRow, Phase, SimulateControl, SimulatedTest, Watch, Within,
+};
 use input::{Case, Mode};
 use std::path::Path;
 use std::sync::Arc;
@@ -34,7 +36,9 @@ pub fn store(
     case: &Arc<Case>,
     answer: &DiscoverAnswer,
     session: &Session,
+    watch: &dyn Watch,
 ) -> Result<Option<Top>, ReportError> {
+    watch.phase(Phase::Replay);
     let published = Published::of(case)?;
     let journal = dir.journal();
     let mut last = None;
@@ -45,12 +49,12 @@ pub fn store(
         let place = dir.place().join("rungs");
         let parent = k.checked_sub(1).map(|b| place.join(b.to_string()));
         let rung = case_of(case, row, parent.as_deref());
-        let done = evaluate(&rung, published.as_ref(), FINE, &journal, session).or_else(|why| {
+        let done = evaluate(&rung, published.as_ref(), FINE, &journal, session, watch).or_else(|why| {
             if session.cancelled() {
                 return Err(why);
             }
             session.say(&format!("rung {k}: {why}; it is computed on the search's coarser mesh instead"));
-            evaluate(&coarser(&rung), published.as_ref(), COARSE, &journal, session)
+            evaluate(&coarser(&rung), published.as_ref(), COARSE, &journal, session, watch)
         });
         match done {
             Ok(top) => {
@@ -99,18 +103,19 @@ fn evaluate(
     reason: &str,
     journal: &RunJournal,
     session: &Session,
+    watch: &dyn Watch,
 ) -> Result<Top, analysis::AnalysisError> {
     let begun = std::time::Instant::now();
     let mut still = case.clone();
     (still.identify.max_iterations, still.identify.multi_start) = (0, 0);
     still.identify.coarse_first = false;
-    let cancelled = || session.cancelled();
+    let watch = &Within(watch);
     let done = analysis::identify(
         Arc::new(still),
         &session.catalogue,
-        &Control { progress: &|_| {}, cancelled: &cancelled, journal },
+        &Control { progress: &|_| {}, cancelled: watch, journal },
     )?;
-    let replayed = analysis::replay(&done, &SimulateControl { progress: &|_, _| {}, cancelled: &cancelled })?;
+    let replayed = analysis::replay(&done, &SimulateControl { progress: &|_, _| {}, cancelled: watch })?;
     let mut answer = IdentifyAnswer::new(&done, &replayed, published, begun.elapsed().as_secs_f64());
     answer.stages = vec![StageEnd { stage: "search".into(), reason: reason.into(), converged: true }];
     reason.clone_into(&mut answer.stopped_because);

@@ -3,7 +3,7 @@
 use super::remarks::{held_at_limits, led_by_mesh, remarks};
 use super::{EnergyAnswer, SCHEMA, finite};
 use crate::published::Published;
-use analysis::{HistoryEntry, Identified, SimulatedTest};
+use analysis::{HistoryEntry, Identified, PhaseCost, SimulatedTest};
 use indexmap::IndexMap;
 use inverse::Quality;
 use model::Channel;
@@ -46,6 +46,9 @@ pub struct IdentifyAnswer {
     pub forward_runs: usize,
     /// Wall-clock time, s.
     pub seconds: f64,
+    /// What each phase took.
+    #[serde(default)]
+    pub cost: Vec<PhaseCost>,
     /// Why the search ended, stage by stage.
     pub stopped_because: String,
     /// The same as data.
@@ -238,6 +241,7 @@ impl IdentifyAnswer {
             iterations: done.iterations,
             forward_runs: done.forward_runs,
             seconds,
+            cost: Vec::new(),
             stopped_because: sentence(&stages),
             stages,
             sloppy: done.uncertainty.sloppy_directions(),

@@ -9,7 +9,7 @@ mod staircase;
 mod style;
 
 pub(crate) use convergence::shown_parameters;
-pub use export::{ending, export};
+pub use export::{ending, export, offered};
 pub use record::{Channels, of_record};
 pub use staircase::figure as staircase;
 

@@ -4,6 +4,7 @@ pub(crate) mod extension;
 
 use super::{FeLadder, Fitted};
 use crate::columns::transfer;
+use crate::cost::Phase;
 use crate::data::Slot;
 use crate::problem::FeProblem;
 use diagnose::Discovery;
@@ -63,6 +64,7 @@ impl FeLadder<'_> {
     pub fn next_test(&self, d: &Discovery) -> Option<NextTest> {
         let at = d.groups.iter().position(|g| g.len() > 1)?;
         let group = &d.groups[at];
+        self.cancelled.phase(Phase::NextTest);
         let with = |e: &String| {
             let mut effects = d.found.clone();
             effects[at].clone_from(e);

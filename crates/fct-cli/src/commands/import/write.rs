@@ -1,7 +1,7 @@
 //! Files of an import: all are made in memory first, none is written over another.
 
 use crate::outcome::Failure;
-use crate::session::Session;
+use crate::session::{Session, unoffered};
 use ::report::figures::{Channels, ending, export, of_record};
 use ::report::write_atomic;
 use input::Figure as Format;
@@ -62,6 +62,7 @@ pub fn plan(
         Some(formats) => formats.iter().map(|f| (*f).into()).collect(),
         None => vec![Format::Svg],
     };
+    formats.iter().try_for_each(|f| unoffered(*f))?;
     let mut files = Vec::new();
     for (import, test) in read.iter().flat_map(|i| i.tests.iter().map(move |t| (i, t))) {
         let comments = comments(import, test);

@@ -1,0 +1,95 @@
+//! Which noise and which standard errors an identification and a screen assume.
+#![allow(missing_docs)]
+
+use crate::small;
+
+use analysis::{Control, Identified, Measured, identify};
+use inverse::{Random, Z95};
+use model::{Discretisation, Model};
+use nalgebra::DVector;
+use std::sync::Arc;
+
+/// Everything is fitted at once.
+const JOINT: &str = "[identify]\nmode = \"joint\"\n";
+
+fn case(folder: &std::path::Path, noise: &str) -> input::Case {
+    small::write_records(folder, true);
+    let file = folder.join("case.toml");
+    std::fs::write(&file, small::STRIP.replace("force_sd_N = 0.001", noise) + small::FIT + JOINT).unwrap();
+    input::read_case(&file, &effects::catalogue()).unwrap()
+}
+
+#[test]
+fn the_noise_as_estimated_replaces_a_sceptics_and_leaves_the_meshs_error() {
+    let folder = tempfile::tempdir().unwrap();
+    case(folder.path(), "");
+    for (seed, name) in [(3, "uniaxial.csv"), (4, "tearing.csv")] {
+        let noise = Random::new(seed).ar1(200, 0.01, 0.4);
+        let line = |i: usize| format!("{i},{},{}\n", 0.005 * i as f64, 0.001 * i as f64 + noise[i]);
+        let text = String::from("time_s,displacement_mm,force_N\n") + &(0..200).map(line).collect::<String>();
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let case = input::read_case(&folder.path().join("case.toml"), &effects::catalogue()).unwrap();
+    let model = Model::new(Arc::new(case), &effects::catalogue(), Discretisation::default()).unwrap();
+    let estimated = Measured::of(&model, &[true, true]).unwrap();
+    let error = DVector::from_fn(estimated.data.points(), |i, _| 1e-3 * (i % 5) as f64);
+    let cautious = Measured::cautious(&model, &[true, true]).unwrap().with_numerical_error(&error);
+    let back = cautious.as_estimated(&model).unwrap();
+    for ((b, c), e) in back.data.blocks.iter().zip(&cautious.data.blocks).zip(&estimated.data.blocks) {
+        assert!(c.noise.ar1 > e.noise.ar1, "{} {}", c.noise.ar1, e.noise.ar1);
+        assert_eq!((b.noise.sd, b.noise.ar1), (e.noise.sd, e.noise.ar1));
+        assert_eq!((&b.noise.nuisance, &b.measured), (&c.noise.nuisance, &c.measured));
+    }
+    assert_eq!(back.slots, cautious.slots);
+}
+
+fn identified(case: input::Case) -> Identified {
+    let control = Control { progress: &|_| {}, cancelled: &|| false, journal: &analysis::NoJournal };
+    identify(Arc::new(case), &effects::catalogue(), &control).unwrap()
+}
+
+/// A softening zone as small as the elements is known less towards higher strength: that arm is the longer one, and no
+/// arm is shorter than the standard error at the answer makes it.
+#[test]
+fn arms_of_a_strength_follow_what_the_mesh_can_tell() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut case = case(folder.path(), "force_sd_N = 0.004");
+    let truth = Model::new(Arc::new(case.clone()), &effects::catalogue(), Discretisation::default()).unwrap();
+    let measured = Measured::of(&truth, &[true, true]).unwrap();
+    let options = analysis::run_options(&case);
+    let forces = inverse::Problem::predict(
+        &analysis::FeProblem::new(&truth, truth.theta(), Vec::new(), &measured.slots, options, &|| false),
+        &[],
+        false,
+    )
+    .unwrap()
+    .values;
+    let mut noisy = forces
+        .iter()
+        .zip(Random::new(5).normals(forces.len()).iter())
+        .map(|(f, n)| f + 0.004 * n)
+        .collect::<Vec<_>>()
+        .into_iter();
+    for test in &mut case.tests {
+        test.record.as_mut().unwrap().force.iter_mut().for_each(|f| *f = noisy.next().unwrap());
+    }
+    let found = identified(case);
+    let arms: Vec<[f64; 2]> = (0..found.frees.len())
+        .map(|k| {
+            let (f, e) = (&found.frees[k], &found.uncertainty.estimates[k]);
+            let sd = found.uncertainty.covariance_z[(k, k)].sqrt();
+            e.interval_95.map(|end| (f.forward(end) - f.forward(e.value)).abs() / (Z95 * sd))
+        })
+        .collect();
+    println!("{arms:.3?}");
+    for ((f, arm), e) in found.frees.iter().zip(&arms).zip(&found.uncertainty.estimates) {
+        for (a, end) in arm.iter().zip(e.interval_95) {
+            // Bounds cut.
+            let cut = end <= f.lower || end >= f.upper;
+            assert!(cut || (1.0 - 1e-9..=2.0 + 1e-9).contains(a), "{} {arm:?}", f.path);
+        }
+        assert!(arm[0].min(arm[1]) < 1.0 + 1e-9, "{} {arm:?}", f.path);
+    }
+    let strength = found.frees.iter().position(|f| f.path == "interface.area[1].sigma_c").unwrap();
+    assert!(arms[strength][1] > 1.02, "{arms:?}");
+}

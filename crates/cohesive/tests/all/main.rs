@@ -1,0 +1,5 @@
+//! All tests of `cohesive` from outside, in one program: each of its own would be linked anew.
+
+mod common;
+mod consistency;
+mod work;

@@ -1,0 +1,136 @@
+//! Truth drawn from the prior: of everything stated at p, p is right.
+
+use crate::toys;
+
+use evidence::scores::{brier, log_score, reliability};
+use evidence::{Belief, Evidence, Judged, Kernel, Points, Posterior, Process, RestPrior, RestSize, SetPrior};
+use inverse::{NoiseModel, Random};
+use nalgebra::DVector;
+use std::collections::BTreeSet;
+use toys::*;
+
+const N: usize = 40;
+const PEAK: f64 = 2.0;
+const SD: f64 = 0.02;
+const EFFECTS: [(&str, usize); 4] = [("wave", 2), ("bump", 3), ("kink", 4), ("cosine", 6)];
+
+fn belief(effect: usize) -> Belief {
+    // Two with a sign, two without.
+    if effect.is_multiple_of(2) { Belief::normal(0.0, 0.08) } else { Belief::above(0.0, 0.08) }
+}
+
+fn half_normal(random: &mut Random, scale: f64) -> f64 {
+    if random.uniform() < 0.5 { 0.0 } else { scale * random.normal().abs() }
+}
+
+struct Drawn {
+    r: DVector<f64>,
+    set: BTreeSet<usize>,
+    beyond: bool,
+}
+
+fn draw(random: &mut Random, prior: &SetPrior, rest: &RestPrior) -> Drawn {
+    let q = prior.expected / EFFECTS.len() as f64;
+    let set = loop {
+        let set: BTreeSet<usize> = (0..EFFECTS.len()).filter(|_| random.uniform() < q).collect();
+        if set.len() <= 2 {
+            break set;
+        }
+    };
+    let beyond = random.uniform() < prior.beyond;
+    let (mut tau, mut upsilon) = (half_normal(random, rest.smooth), half_normal(random, rest.jerk));
+    if beyond {
+        let size = |scale: f64, z: f64| scale * rest.else_median * (rest.else_spread * z).exp();
+        let z = random.normal();
+        if random.uniform() < 0.5 { tau = size(rest.smooth, z) } else { upsilon = size(rest.jerk, z) }
+    }
+    let length = rest.smooth_lengths[usize::from(random.uniform() < 0.5)].0;
+    let size = RestSize { tau, upsilon, smooth_length: length, jerk_length: rest.jerk_lengths[0].0 };
+    let points = Points { s: line(N), gap: vec![1; N], sd: SD / PEAK, ar1: 0.0 };
+    let (delta, noise) = Process::new(&points, size).draw(random);
+    let mut r = DVector::from_fn(N, |i, _| PEAK * (delta[i] + noise[i]));
+    for k in 0..2 {
+        r += column(k, N, PEAK) * (0.2 * random.normal());
+    }
+    for &e in &set {
+        r += column(EFFECTS[e].1, N, PEAK) * belief(e).quantile(random.uniform());
+    }
+    Drawn { r, set, beyond }
+}
+
+fn posterior(drawn: &Drawn, prior: &SetPrior, rest: &RestPrior) -> Posterior {
+    let record = record(&data(&drawn.r, NoiseModel::white(SD)), PEAK);
+    let mut models = Vec::new();
+    for mask in 0..1usize << EFFECTS.len() {
+        let set: Vec<usize> = (0..EFFECTS.len()).filter(|e| mask >> e & 1 == 1).collect();
+        if set.len() > 2 {
+            continue;
+        }
+        let kinds: Vec<usize> = [0, 1].into_iter().chain(set.iter().map(|&e| EFFECTS[e].1)).collect();
+        let mut p: Vec<_> = (0..2).map(|_| parameter("base", Belief::normal(0.0, 0.2), false)).collect();
+        p.extend(set.iter().map(|&e| parameter(EFFECTS[e].0, belief(e), true)));
+        let names: Vec<String> = set.iter().map(|&e| EFFECTS[e].0.to_owned()).collect();
+        let model = linear(drawn.r.clone(), &kinds, p, PEAK);
+        let evidence = Evidence::of(&record, &model, rest, Kernel::Plain).expect("evidence");
+        models.push(Judged::new(&names, &evidence, rest, 1.0, prior));
+    }
+    Posterior::of(&models, prior)
+}
+
+/// Sum of stated probabilities against what happened, in standard deviations of a calibrated forecaster.
+fn surprise(stated: &[f64], happened: &[bool]) -> f64 {
+    let expected: f64 = stated.iter().sum();
+    let count = happened.iter().filter(|y| **y).count() as f64;
+    let spread = stated.iter().map(|p| p * (1.0 - p)).sum::<f64>().sqrt();
+    (count - expected) / spread.max(0.3)
+}
+
+#[test]
+fn stated_probabilities_are_frequencies() {
+    let prior = SetPrior { expected: 0.9, catalogue: EFFECTS.len(), beyond: 0.2, factor: 2.0 };
+    let rest = RestPrior::default();
+    let mut random = Random::new(77);
+    let (mut stated, mut happened) = (Vec::new(), Vec::new());
+    let (mut nothing, mut was_nothing, mut other, mut was_other) =
+        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for _ in 0..150 {
+        let drawn = draw(&mut random, &prior, &rest);
+        let p = posterior(&drawn, &prior, &rest);
+        for (e, (name, _)) in EFFECTS.iter().enumerate() {
+            stated.push(p.effects[*name]);
+            happened.push(drawn.set.contains(&e));
+        }
+        nothing.push(p.nothing);
+        was_nothing.push(drawn.set.is_empty() && !drawn.beyond);
+        other.push(p.something_else);
+        was_other.push(drawn.beyond);
+        let sum: f64 = p.sets.iter().map(|s| s.probability).sum::<f64>() + p.something_else;
+        assert!((sum - 1.0).abs() < 1e-9);
+    }
+    for (name, p, y) in [
+        ("effects", &stated, &happened),
+        ("nothing", &nothing, &was_nothing),
+        ("something else", &other, &was_other),
+    ] {
+        let r = reliability(p, y, 200);
+        println!(
+            "{name}: {:+.2} sd, Brier {:.4} = miscalibration {:.4} − discrimination {:.4} + uncertainty {:.4}, log score {:.3}, within bands {:.2}",
+            surprise(p, y),
+            r.brier,
+            r.miscalibration,
+            r.discrimination,
+            r.uncertainty,
+            log_score(p, y, 1e-6),
+            r.within
+        );
+        assert!(surprise(p, y).abs() < 3.0, "{name}: {}", surprise(p, y));
+        assert!(r.within > 0.7 && r.discrimination > 3.0 * r.miscalibration, "{name}: {r:?}");
+        // In each third of the statements, too.
+        for (low, high) in [(0.0, 0.2), (0.2, 0.8), (0.8, 1.01)] {
+            let inside: Vec<usize> = (0..p.len()).filter(|&i| p[i] >= low && p[i] < high).collect();
+            let (p, y): (Vec<f64>, Vec<bool>) = inside.iter().map(|&i| (p[i], y[i])).unzip();
+            assert!(surprise(&p, &y).abs() < 3.5, "{name} {low}: {}", surprise(&p, &y));
+        }
+        assert!(brier(p, y) < r.uncertainty);
+    }
+}

@@ -1,0 +1,196 @@
+//! `fct import` from the outside: what it writes can be used, nothing of the user's is touched, refusals are quick.
+
+use crate::common;
+
+use common::{BOOK, Tested, blocks, fct, json};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+fn message(folder: &Path, arguments: &[&str]) -> Result<(Option<i32>, String), Box<dyn std::error::Error>> {
+    let out = fct(folder, arguments)?;
+    Ok((out.status.code(), String::from_utf8_lossy(&out.stderr).into_owned()))
+}
+
+#[test]
+fn the_scaffolds_raw_files_become_a_specimen_that_checks() -> Tested {
+    let folder = tempfile::tempdir()?;
+    let here = folder.path();
+    assert!(fct(here, &["new", "strip"])?.status.success());
+    let (code, answer, stderr) = json(
+        here,
+        &[
+            "import",
+            "strip/raw/uniaxial_RawData_1.csv",
+            "strip/raw/tearing_RawData_1.csv",
+            "--out",
+            "strip/imported",
+        ],
+    )?;
+    assert_eq!(code, 0, "{stderr}");
+    assert_eq!((&answer["schema"], &answer["specimen"]), (&1.into(), &"strip".into()));
+    let kinds: Vec<&Value> = answer["tests"].as_array().ok_or("tests")?.iter().map(|t| &t["kind"]).collect();
+    assert_eq!(kinds, ["uniaxial", "tearing"]);
+    assert_eq!(answer["geometry"]["cut"], 1.5);
+    assert_eq!(answer["files"][0]["reading"]["dialect"], "Bluehill");
+    // The same rows as in the sample records.
+    for name in ["uniaxial.csv", "tearing.csv"] {
+        let rows = |text: String| {
+            text.lines().filter(|l| !l.starts_with('#')).map(str::to_owned).collect::<Vec<_>>()
+        };
+        let imported = rows(fs::read_to_string(here.join("strip/imported").join(name))?);
+        assert_eq!(imported, rows(fs::read_to_string(here.join("strip").join(name))?));
+    }
+    let log: Value = serde_json::from_str(&fs::read_to_string(here.join("strip/imported/import.json"))?)?;
+    assert_eq!(log, answer);
+    let svg = fs::read_to_string(here.join("strip/imported/tearing.svg"))?;
+    assert!(svg.contains("force (N)") && svg.contains("time (s)"));
+    let (code, checked, stderr) = json(here, &["check", "strip/imported/specimen.toml"])?;
+    assert_eq!(code, 0, "{stderr}");
+    assert!(
+        checked["provenance"]
+            .as_str()
+            .is_some_and(|p| p.contains("uniaxial_RawData_1.csv (Bluehill, which says: synthetic sample"))
+    );
+    // Once more: nothing is written over.
+    let before = fs::read(here.join("strip/imported/specimen.toml"))?;
+    let again = message(here, &["import", "strip/raw/uniaxial_RawData_1.csv", "--out", "strip/imported"])?;
+    assert!(again.0 == Some(2) && again.1.contains("this exists already; nothing was written"), "{again:?}");
+    assert_eq!(fs::read(here.join("strip/imported/specimen.toml"))?, before);
+    Ok(())
+}
+
+#[test]
+fn what_is_open_names_its_flag_and_the_flag_settles_it() -> Tested {
+    let folder = tempfile::tempdir()?;
+    let here = folder.path();
+    fs::write(
+        here.join("a.csv"),
+        "Time;Weg [mm];Kraft [N];Kraft 2 [N]\n0;0,5;0,1;1\n1;0,6;0,2;3\n2;0,7;0,4;2\n",
+    )?;
+    fs::write(here.join("g.toml"), "[geometry]\nlength_mm = 8\nwidth_mm = 6.0\nthickness_um = 800\n")?;
+    let (code, stderr) = message(here, &["import", "a.csv"])?;
+    assert_eq!(code, Some(2));
+    assert!(stderr.contains("--units time=s") && !here.join("a").exists(), "{stderr}");
+    let (code, answer, _) = json(here, &["import", "a.csv"])?;
+    assert_eq!(code, 2);
+    assert_eq!(answer["error"]["files"][0]["questions"][0]["flag"], "units");
+    let flags = ["import", "a.csv", "--units", "time=s", "--force", "3", "--zero", "--geometry", "g.toml"];
+    let out = fct(here, &flags)?;
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    let text = String::from_utf8(out.stdout)?;
+    assert!(text.lines().all(|l| l.chars().count() <= 100), "{text}");
+    assert!(text.contains("0.5 mm taken off the displacement (--zero)"), "{text}");
+    let record = fs::read_to_string(here.join("a/uniaxial.csv"))?;
+    assert!(record.contains("\n1,0.09999999999999998,0.2\n"), "{record}");
+    assert!(fct(here, &["check", "a/specimen.toml"])?.status.success());
+    Ok(())
+}
+
+#[test]
+fn other_commands_point_to_import() -> Tested {
+    let folder = tempfile::tempdir()?;
+    let here = folder.path();
+    let geometry = "[geometry]\nlength_mm = 8\nwidth_mm = 6\nthickness_mm = 1\n[[tests]]\nkind = \"uniaxial\"\ndata = \"a.csv\"\n";
+    fs::write(here.join("s.toml"), geometry)?;
+    for raw in [
+        &b"Zeit;Weg;Kraft\n0;0;0\n"[..],
+        b"Time,Load\n0,1\n",
+        b"\xFF\xFEZ\0e\0",
+        b"1,2,3\n",
+        b"Pr\xFCfzeit\n",
+    ] {
+        fs::write(here.join("a.csv"), raw)?;
+        let (code, stderr) = message(here, &["check", "s.toml"])?;
+        assert!(code == Some(2) && stderr.contains("`fct import "), "{stderr}");
+    }
+    Ok(())
+}
+
+#[test]
+fn a_long_record_is_reduced_and_kept_whole_beside() -> Tested {
+    let folder = tempfile::tempdir()?;
+    let here = folder.path();
+    // A cube modulo a prime is noise enough.
+    let noise = |i: usize| ((i * i * i * 7919 % 1009) as f64 - 504.0) * 1e-5;
+    let row = |i: usize, noise: f64| {
+        format!("{},{},{}\n", i as f64 / 100.0, i as f64 / 2000.0, (i as f64 / 1000.0).powi(2) + noise)
+    };
+    let head = "Time [s],Extension [mm],Load [N]\n";
+    fs::write(here.join("tear.csv"), (0..6000).fold(head.to_owned(), |t, i| t + &row(i, noise(i))))?;
+    fs::write(here.join("quiet.csv"), (0..6000).fold(head.to_owned(), |t, i| t + &row(i, 0.0)))?;
+    fs::write(
+        here.join("g.toml"),
+        "[geometry]\nlength_mm = 8\nwidth_mm = 6.0\nthickness_um = 800\ncut_mm = 1\n",
+    )?;
+    let (code, answer, stderr) = json(here, &["import", "tear.csv", "--geometry", "g.toml"])?;
+    assert_eq!(code, 0, "{stderr}");
+    let test = &answer["tests"][0];
+    assert_eq!((&test["kind"], &test["rows"]), (&"tearing".into(), &6000.into()));
+    assert!(test["points"].as_u64().is_some_and(|n| (200..=400).contains(&n)), "{test}");
+    let lines =
+        |f: &str| fs::read_to_string(here.join(f)).map(|t| t.lines().filter(|l| !l.starts_with('#')).count());
+    assert_eq!(lines("tear/full/tearing.csv")?, 6001);
+    let specimen = fs::read_to_string(here.join("tear/specimen.toml"))?;
+    assert!(specimen.contains("force_sd_N = "), "{specimen}");
+    assert!(fct(here, &["check", "tear/specimen.toml"])?.status.success());
+    // No noise shows: none is declared, and `check` takes the specimen.
+    assert!(fct(here, &["import", "quiet.csv", "--geometry", "g.toml"])?.status.success());
+    assert!(!fs::read_to_string(here.join("quiet/specimen.toml"))?.contains("force_sd_N"));
+    assert!(fct(here, &["check", "quiet/specimen.toml"])?.status.success());
+    let all = json(here, &["import", "tear.csv", "--geometry", "g.toml", "--points", "0", "--out", "all"])?.1;
+    assert_eq!(all["tests"][0]["points"], 6000);
+    Ok(())
+}
+
+#[test]
+fn what_can_be_no_record_is_refused_at_once() -> Tested {
+    let folder = tempfile::tempdir()?;
+    let here = folder.path();
+    fs::write(here.join("p.png"), b"\x89PNG\r\n\x1a\n0000")?;
+    fs::write(here.join("a.zip"), b"PK\x03\x04\x14\0\0\0\0\0photo.jpg")?;
+    fs::write(here.join("b.dat"), (0..200_000_u32).flat_map(u32::to_le_bytes).collect::<Vec<_>>())?;
+    fs::write(here.join("e.csv"), b"")?;
+    fs::File::create(here.join("big.csv"))?.set_len(10_000_000_000)?;
+    for (file, what) in [
+        ("p.png", "a picture (PNG)"),
+        ("a.zip", "an archive"),
+        ("b.dat", "a binary file"),
+        ("e.csv", "empty"),
+        ("big.csv", "10000 MB"),
+        (".", "a directory"),
+        ("none.csv", "no such file"),
+        ("/dev/zero", "no regular file"),
+    ] {
+        let started = Instant::now();
+        let (code, stderr) = message(here, &["import", file])?;
+        assert!(code == Some(2) && stderr.contains(what), "{file}: {stderr}");
+        assert!(started.elapsed() < Duration::from_secs(5), "{file}: {:?}", started.elapsed());
+    }
+    Ok(())
+}
+
+/// The page of the book: its commands run, and print what stands there.
+#[test]
+fn the_page_of_the_book_shows_what_is_printed() -> Tested {
+    let folder = tempfile::tempdir()?;
+    let here = folder.path();
+    let mut printed = String::new();
+    let mut compared = 0;
+    for (head, lines) in blocks(&fs::read_to_string(Path::new(BOOK).join("how-to/import.md"))?) {
+        for line in lines.iter().filter(|_| head == "console").filter_map(|l| l.strip_prefix("$ fct ")) {
+            let out = fct(here, &line.split_whitespace().collect::<Vec<_>>())?;
+            assert!(out.status.success(), "fct {line}: {}", String::from_utf8_lossy(&out.stderr));
+            if line.starts_with("import ") {
+                printed = String::from_utf8(out.stdout)?;
+            }
+        }
+        if head == "text printed" {
+            compared += 1;
+            assert_eq!(lines.join("\n"), printed.trim_end());
+        }
+    }
+    assert_eq!(compared, 1);
+    Ok(())
+}

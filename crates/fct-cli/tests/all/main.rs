@@ -1,0 +1,26 @@
+//! All tests of `fct-cli` from outside, in one program: each of its own would be linked anew.
+
+mod answers;
+mod bad_input;
+mod beam;
+mod browser;
+mod command_lines;
+mod common;
+mod damaged;
+#[path = "common/browser.rs"]
+mod driver;
+mod honesty;
+mod hostile;
+#[path = "common/hostile_files.rs"]
+mod hostile_files;
+mod identify;
+mod import;
+mod killed;
+mod newcomers;
+mod reference;
+mod safety;
+mod simulate;
+mod too_large;
+mod tutorial;
+#[path = "common/watched.rs"]
+mod watched;

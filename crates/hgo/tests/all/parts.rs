@@ -1,0 +1,63 @@
+//! The parts that other laws are built of: fibre directions, a family's fictitious stress, tangents of single parts.
+
+use crate::common;
+
+use common::*;
+use constitutive::{Jet, Response, tensor};
+use hgo::{
+    FAMILIES, FIBRE_ONSET, FibreInvariants, Hgo, KAPPA, fibre_direction, fibre_fictitious_stress,
+    fibre_response, fibre_strain, fibre_tangent, volumetric, volumetric_tangent,
+};
+use proptest::prelude::*;
+
+/// F as jets, one seed per component.
+fn seeded(f: &[f64; 9]) -> [Jet<9>; 9] {
+    std::array::from_fn(|i| Jet::variable(f[i], i))
+}
+
+/// Worst difference of a stress and tangent by hand from a response in jets, relative to the larger entries.
+fn error(by_hand: &([f64; 9], [[f64; 9]; 9]), jets: &Response<Jet<9>, 9>) -> f64 {
+    let floor = largest(jets.force.iter().flat_map(|x| &x.eps));
+    let stress = difference(&by_hand.0, &jets.force.map(|x| x.re), 1e-3 * floor);
+    by_hand.1.iter().zip(&jets.force).map(|(a, p)| difference(a, &p.eps, floor)).fold(stress, f64::max)
+}
+
+proptest! {
+    /// Aligned fibres see the stretch of their own direction: I4 = |F a|².
+    #[test]
+    fn an_aligned_family_is_strained_as_its_direction_is(f in deformations(), mut p in parameters()) {
+        (p[KAPPA], p[FIBRE_ONSET]) = (0.0, 0.0);
+        let full = Hgo { fibre_invariants: FibreInvariants::Full, ..Hgo::default() };
+        for family in 0..FAMILIES {
+            let a = fibre_direction(p[hgo::GAMMA], family);
+            let stretched: f64 = tensor::apply(&f, &a).iter().map(|x| x * x).sum();
+            prop_assert!((fibre_strain(&full, &f, &p, family) - (stretched - 1.0)).abs() < 1e-13);
+        }
+    }
+
+    /// P = J^(−2/3) F (S̄ − (S̄ : C) C⁻¹/3) of a family, whichever invariants the law asks for.
+    #[test]
+    fn the_deviator_of_the_fictitious_stress_is_the_familys_stress(law in laws(), f in deformations(), p in parameters()) {
+        let isochoric = Hgo { fibre_invariants: FibreInvariants::Isochoric, ..law };
+        let (c, j) = (tensor::right_cauchy_green(&f), tensor::det(&f));
+        let inverse = tensor::inverse(&c);
+        for family in 0..FAMILIES {
+            let [xx, yy, zz, xy, yz, xz] = fibre_fictitious_stress(&law, &f, &p, family);
+            let s = [xx, xy, xz, xy, yy, yz, xz, yz, zz];
+            let third = tensor::dot(&s, &c) / 3.0;
+            let deviator = std::array::from_fn(|i| j.powf(-2.0 / 3.0) * (s[i] - third * inverse[i]));
+            let stress = fibre_response(&isochoric, &f, &p, family).force;
+            prop_assert!(difference(&tensor::mul(&f, &deviator), &stress, 1e-3 * largest(&s)) < 1e-12);
+        }
+    }
+
+    #[test]
+    fn tangents_of_single_parts_are_those_of_their_jets(law in laws(), f in deformations(), p in parameters()) {
+        let (g, q) = (seeded(&f), p.map(Jet::constant));
+        prop_assert!(error(&volumetric_tangent(&f, p[hgo::D]), &volumetric(&g, q[hgo::D])) < 1e-12);
+        for family in 0..FAMILIES {
+            let jets = fibre_response(&law, &g, &q, family);
+            prop_assert!(error(&fibre_tangent(&law, &f, &p, family), &jets) < 1e-12);
+        }
+    }
+}
