@@ -6,6 +6,12 @@ use constitutive::{Cohesion, Context, Describe, Energy, HistorySpec, Jet, Law, O
 use params::ParamSpec;
 use std::sync::Arc;
 
+/// Share of the strength at which the softening zone ends.
+const SPENT: f64 = 0.2;
+
+/// Openings over δc beyond which no curve is followed.
+const FARTHEST: f64 = 1e6;
+
 /// A curve of effective traction against effective opening, t(δ), on monotonic loading.
 ///
 /// Parameters are the whole list of [`Irreversible`]: Gc, σc, λ, K, then [`Curve::shape`]. The secant t/δ must not rise
@@ -156,5 +162,21 @@ impl<C: Curve> Cohesion for Irreversible<C> {
 
     fn damage(&self, delta_max: f64, params: &[f64]) -> f64 {
         (self.0.work(delta_max, params) / params[GC]).clamp(0.0, 1.0)
+    }
+
+    /// By bisection on the fall of the curve.
+    fn softening_end(&self, params: &[f64]) -> f64 {
+        let peak = self.0.delta_c(params);
+        let left = |x: f64| self.0.secant(x * peak, params) * x * peak / params[SIGMA_C];
+        let mut high = 2.0;
+        while left(high) > SPENT && high < FARTHEST {
+            high *= 2.0;
+        }
+        let mut low = 1.0;
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if left(middle) > SPENT { low = middle } else { high = middle }
+        }
+        high
     }
 }

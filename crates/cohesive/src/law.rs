@@ -120,6 +120,11 @@ impl Cohesion for Cohesive {
         damage(delta_max, params[GC], params[SIGMA_C])
     }
 
+    /// 4 e⁻³ = 0.199.
+    fn softening_end(&self, _params: &[f64]) -> f64 {
+        4.0
+    }
+
     fn is_exponential(&self) -> bool {
         true
     }

@@ -63,6 +63,9 @@ pub trait Cohesion: Send + Sync {
     /// Damage d ∈ [0, 1]: the work done up to the largest opening `delta_max` (mm), over Gc.
     fn damage(&self, delta_max: f64, params: &[f64]) -> f64;
 
+    /// Where the softening zone ends, over δc: a fifth of the strength is left there.
+    fn softening_end(&self, params: &[f64]) -> f64;
+
     /// Whether the traction follows t = e σc (δ/δc) exp(−δ/δc).
     fn is_exponential(&self) -> bool {
         false

@@ -1,7 +1,6 @@
 //! The interface element alone: tangent, symmetry, rotations, balance of forces and moments.
 #![allow(clippy::needless_range_loop)] // index notation
 
-
 use cohesive::Cohesive;
 use constitutive::{Context, PointLaw, tensor, testing};
 use fem::interface::{self, Integration};

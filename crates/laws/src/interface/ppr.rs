@@ -16,8 +16,8 @@ static CARD: LawCard = LawCard {
     equation: "t = (Gc/δf) α(α + m)/m · x (1 − x)^(α−1) (1 + αx/m)^(m−1),  x = δ/δf;  \
                m = α(α − 1)λ²/(1 − αλ²), the peak σc at δc = λ δf, \
                δf = (Gc/σc) αλ (1 − λ)^(α−1) (α/m + 1)(αλ/m + 1)^(m−1);  secant unloading below δmax",
-    reference: "Park, Paulino & Roesler 2009, J. Mech. Phys. Solids 57, 891–908, doi:10.1016/j.jmps.2008.10.003, \
-                eqs. 14–21 with Δt = 0 and φn = φt",
+    reference: "Park, Paulino & Roesler 2009, J. Mech. Phys. Solids 57, 891–908, doi:10.1016/j.jmps.2008.10.003; \
+                Δt = 0 and φn = φt",
 };
 
 /// Park–Paulino–Roesler, mode I.

@@ -2,7 +2,8 @@
 
 use super::supports::{strip_of, supports};
 use super::{Active, BaseLaws, BuildError, Discretisation, TestModel};
-use crate::effect::{Action, Bulk, Catalogue, Interface, Piece};
+use crate::catalogue::Catalogue;
+use crate::effect::{Action, Bulk, Interface, Piece};
 use fem::{Blend, Body, Link, Path, Problem};
 use input::{Case, Profile, Test, TestKind, Value};
 use mesh::Mesh;
@@ -51,7 +52,7 @@ impl Builder {
             };
             gc = per_area(cohesive::GC, &|a| i.gc_of(a));
             sigma_c = per_area(cohesive::SIGMA_C, &|a| i.sigma_c_of(a));
-            for spec in specs.into_iter().skip(2) {
+            for spec in specs.into_iter().skip(cohesive::LAMBDA) {
                 rest.push(parameters.len());
                 let value = i.value(&spec.name);
                 parameters.push(parameter(format!("interface.{}", spec.name), spec, &value));

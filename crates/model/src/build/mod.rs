@@ -8,7 +8,8 @@ mod test_model;
 pub(crate) use place::at_key;
 pub use test_model::TestModel;
 
-use crate::effect::{Bulk, Catalogue, Effect, Site};
+use crate::catalogue::Catalogue;
+use crate::effect::{Bulk, Effect, Site};
 use builder::Builder;
 use constitutive::{Cohesion, StartGrid};
 use input::Case;
@@ -197,12 +198,20 @@ impl Model {
     /// Opening δc at which an area (from 0) reaches its strength, mm, and its derivatives by (Gc, σc); `None` without
     /// a tear path.
     pub fn critical_opening(&self, area: usize, theta: &[f64]) -> Option<(f64, [f64; 2])> {
-        if self.base.path.is_empty() {
-            return None;
-        }
-        let at = |(k, i): (usize, &usize)| theta[if k < 2 { i + area } else { *i }];
-        let params: Vec<f64> = self.base.path.iter().enumerate().map(at).collect();
+        let params = self.path_parameters(area, theta)?;
         self.base.cohesion.as_ref().map(|c| c.delta_c(&params))
+    }
+
+    /// Opening at which the softening zone ends, over δc; `None` without a tear path.
+    pub(crate) fn softening_end(&self, theta: &[f64]) -> Option<f64> {
+        let params = self.path_parameters(0, theta)?;
+        self.base.cohesion.as_ref().map(|c| c.softening_end(&params))
+    }
+
+    /// The interface law's parameters in an area (from 0), without those of effects.
+    fn path_parameters(&self, area: usize, theta: &[f64]) -> Option<Vec<f64>> {
+        let at = |(k, i): (usize, &usize)| theta[if k < cohesive::LAMBDA { i + area } else { *i }];
+        (!self.base.path.is_empty()).then(|| self.base.path.iter().enumerate().map(at).collect())
     }
 
     /// The site a parameter acts on.

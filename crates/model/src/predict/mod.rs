@@ -209,6 +209,7 @@ impl Model {
         let mut c = self.tests[t].camera(self.areas());
         c.critical = (0..c.critical.len()).map(|a| self.threshold(a, theta).0).collect();
         c.thresholds.clone_from(&c.critical);
+        c.spent = self.softening_end(theta).unwrap_or(f64::INFINITY);
         if let Some(x) = self.tests[t].test.tear_front_opening {
             c.thresholds.fill(x);
         }

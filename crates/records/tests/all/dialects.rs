@@ -19,11 +19,7 @@ fn the_files_are_what_the_helper_writes() -> std::io::Result<()> {
             fs::write(&file, &variant.bytes)?;
         }
         let stands = fs::read(&file).unwrap_or_default();
-        assert!(
-            stands == variant.bytes,
-            "{}: UPDATE=1 cargo test -p records dialects::",
-            file.display()
-        );
+        assert!(stands == variant.bytes, "{}: UPDATE=1 cargo test -p records dialects::", file.display());
     }
     let names: BTreeSet<&str> = all.iter().map(|v| v.file).collect();
     let dialects: BTreeSet<&str> = all.iter().map(|v| v.dialect).collect();

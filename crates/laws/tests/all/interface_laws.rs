@@ -180,6 +180,8 @@ proptest! {
             let traction = |d: f64| respond(&*law, &[d, 0.0, 0.0], &p, 0.0).0[0];
             prop_assert!((traction(peak) / p[SIGMA_C] - 1.0).abs() < 1e-12, "{}: {}", name, traction(peak));
             prop_assert!(traction(x * p[GC] / p[SIGMA_C]) <= p[SIGMA_C] * (1.0 + 1e-12), "{}", name);
+            let end = law.offers().cohesion.expect("scales").softening_end(&p);
+            prop_assert!((traction(end * peak) / p[SIGMA_C] - 0.2).abs() < 1e-3, "{}: {}", name, end);
             // δc scales with Gc and with 1/σc.
             prop_assert!((slopes[0] * p[GC] / peak - 1.0).abs() < 1e-12, "{}", name);
             prop_assert!((slopes[1] * p[SIGMA_C] / peak + 1.0).abs() < 1e-12, "{}", name);

@@ -1,9 +1,7 @@
 //! Effects around every law of the registry: neutral to the bit, tangents by hand as by jets, and refused where the law
 //! lacks what they ask for.
 
-mod battery;
-
-use battery::*;
+use crate::battery::*;
 use constitutive::{Capability, PointLaw, tangent_by_jets_9, testing};
 use input::{EffectConfig, EffectRegistry};
 use laws::Settings;

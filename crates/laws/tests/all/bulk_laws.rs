@@ -424,8 +424,8 @@ fn four_fiber_with_two_families_is_hgo() {
     }
 }
 
-/// The shear of the source's eq. 5.36 (fs): σ_fs = a exp(b g²) g + 2 a_f g (·) + a_fs g exp(b_fs g²), and tension
-/// along the fibres with the width by bisection.
+/// Tension with the width by bisection; in shear F = I + g e_x⊗e_y the matrix, the family along y (I4 − 1 = g²) and
+/// the coupling (I8 = g) carry.
 #[test]
 fn holzapfel_ogden_closed_forms() {
     for across in [false, true] {
