@@ -7,6 +7,7 @@
 use crate::identify::{AnalysisError, Stage, StagePlan, Work};
 use input::{Case, TestKind};
 use model::{Catalogue, Discretisation, Model};
+use params::{Owner, ParamPath};
 use std::sync::Arc;
 
 /// What counts as noise while a start is sought, as a share of the largest force.
@@ -100,23 +101,12 @@ fn bulk_starts(
     work: &mut Work,
 ) -> Result<Vec<Vec<f64>>, AnalysisError> {
     let Some(tests) = tests else { return Ok(vec![file.to_vec()]) };
-    let at = ["mu", "k1", "k2", "gamma", "kappa"].map(|n| model.find(&format!("bulk.{n}")));
-    let given = at.map(|i| i.map_or(0.0, |i| file[i]));
     let list = crate::identify::frees(model, file, bulk);
-    let mut starts: Vec<Vec<f64>> = crate::strip::tissues(work.case, &list, given)
-        .iter()
-        .map(|tissue| {
-            let mut theta = file.to_vec();
-            for (i, v) in at.iter().zip(tissue) {
-                if let Some(i) = i {
-                    theta[*i] = *v;
-                }
-            }
-            theta
-        })
-        .collect();
-    let gamma = model.find("bulk.gamma").filter(|g| bulk.contains(g));
-    let own = work.case.bulk.gamma.value.is_some() || work.case.bulk.k1.value.is_some();
+    let mut starts = crate::strip::tissues(model, work.case, &list, file);
+    let offered = model.starts();
+    let given = |i: usize| work.case.bulk.value(&model.parameters[i].spec.name).value.is_some();
+    let own = offered.as_ref().is_some_and(|s| given(s.size) || s.apart.is_some_and(|(i, _)| given(i)));
+    let apart = offered.and_then(|s| s.apart).map(|(i, _)| i).filter(|i| bulk.contains(i));
     if own || starts.is_empty() {
         starts.insert(0, file.to_vec());
     }
@@ -135,7 +125,7 @@ fn bulk_starts(
     // twice is one.
     let mut kept: Vec<Vec<f64>> = Vec::new();
     for (f, theta) in found {
-        let same = |k: &Vec<f64>| gamma.is_some_and(|g| (k[g] - theta[g]).abs() < 0.02);
+        let same = |k: &Vec<f64>| apart.is_some_and(|g| (k[g] - theta[g]).abs() < 0.02);
         if f <= 1.1 * least + 4.0 && !kept.iter().any(same) {
             kept.push(theta);
         }
@@ -223,15 +213,15 @@ pub(crate) fn spread(fine: &Model, start: &Start, theta: &mut [f64]) {
         if !p.free {
             continue;
         }
-        let path = match p.path.strip_prefix("interface.area[").and_then(|r| r.split_once("].")) {
-            Some((area, what)) => {
-                let (here, all) = (area.parse::<usize>().unwrap_or(1), fine.areas());
+        let path = match p.path.parse::<ParamPath>() {
+            Ok(ParamPath { owner: Owner::Area(here), name }) => {
+                let all = fine.areas();
                 let middle = (here as f64 - 0.5) / all as f64;
                 let from =
                     ((middle * start.model.areas() as f64).floor() as usize + 1).min(start.model.areas());
-                format!("interface.area[{from}].{what}")
+                ParamPath::area(from, &name).to_string()
             }
-            None => p.path.clone(),
+            _ => p.path.clone(),
         };
         if let Some(at) = start.model.find(&path) {
             theta[i] = start.theta[at].clamp(p.spec.lower, p.spec.upper);
@@ -269,31 +259,26 @@ pub fn start_at<'a>(case: &mut Case, values: impl Iterator<Item = (&'a str, f64)
     crate::priors::hold(case);
     let areas = case.interface.areas;
     for (path, value) in values {
-        if let Some((area, what)) = path.strip_prefix("interface.area[").and_then(|r| r.split_once("].")) {
-            let list = if what == "gc" { &mut case.interface.gc } else { &mut case.interface.sigma_c };
-            let common = list.first().copied().unwrap_or_default();
-            if list.len() < areas {
-                *list = vec![common; areas];
+        let Ok(path) = path.parse::<ParamPath>() else { continue };
+        match path.owner {
+            Owner::Area(area) => {
+                let list =
+                    if path.name == "gc" { &mut case.interface.gc } else { &mut case.interface.sigma_c };
+                let common = list.first().copied().unwrap_or_default();
+                if list.len() < areas {
+                    *list = vec![common; areas];
+                }
+                if let Some(v) = list.get_mut(area.wrapping_sub(1)) {
+                    v.value = Some(value);
+                }
             }
-            if let Some(v) = area.parse::<usize>().ok().and_then(|a| list.get_mut(a.wrapping_sub(1))) {
-                v.value = Some(value);
+            Owner::Bulk => case.bulk.start(&path.name, value),
+            Owner::Interface => case.interface.start(&path.name, value),
+            Owner::Effect(effect) => {
+                if let Some(e) = case.effects.iter_mut().find(|e| e.name == effect) {
+                    e.parameters.entry(path.name).or_default().value = Some(value);
+                }
             }
-        } else if let Some(name) = path.strip_prefix("bulk.") {
-            let b = &mut case.bulk;
-            let slot = match name {
-                "mu" => &mut b.mu,
-                "k1" => &mut b.k1,
-                "k2" => &mut b.k2,
-                "gamma" => &mut b.gamma,
-                "kappa" => &mut b.kappa,
-                "d" => &mut b.d,
-                _ => continue,
-            };
-            slot.value = Some(value);
-        } else if let Some((effect, name)) = path.strip_prefix("effects.").and_then(|r| r.split_once('.'))
-            && let Some(e) = case.effects.iter_mut().find(|e| e.name == effect)
-        {
-            e.parameters.entry(name.to_owned()).or_default().value = Some(value);
         }
     }
 }

@@ -1,8 +1,10 @@
 //! The interface law: opening in, traction out, with the largest opening as memory.
 
-use crate::envelope::{delta_c, dissipated, effective_opening, secant_stiffness};
-use constitutive::{Context, Describe, Energy, HistorySpec, Law, Response, Scalar};
+use crate::envelope::{damage, delta_c, dissipated, effective_opening, secant_stiffness};
+use constitutive::{Cohesion, Context, Describe, Energy, HistorySpec, Law, Offers, Response, Scalar};
 use params::{ParamSpec, Quantity};
+use std::f64::consts::E;
+use std::sync::Arc;
 
 /// Index of Gc, fracture energy, N/mm.
 pub const GC: usize = 0;
@@ -65,31 +67,72 @@ impl<S: Scalar> Law<S, 3> for Cohesive {
     }
 }
 
+/// Gc, σc, λ, K: with these every interface law's parameter list begins, and every interface law's history with δmax.
+/// Gc and σc have one value per area of the tear path.
+pub fn common_parameters() -> Vec<ParamSpec> {
+    use Quantity::{Dimensionless, FractureEnergy, InterfaceStiffness, Stress};
+    let about = "stiffness K against interpenetration; fixed unless freed";
+    // What is expected: the paper's Table 2 and its section 6.
+    vec![
+        ParamSpec::new(
+            "gc",
+            "Gc",
+            FractureEnergy,
+            (1e-6, 1e3),
+            0.23,
+            "fracture energy Gc: one value, or a list with one per area",
+        )
+        .admissible(1e-9, 1e5)
+        .expected(0.4, 1.2),
+        ParamSpec::new(
+            "sigma_c",
+            "σc",
+            Stress,
+            (1e-6, 1e4),
+            0.2,
+            "strength σc: one value, or a list with one per area",
+        )
+        .admissible(1e-9, 1e6)
+        .expected(0.2, 1.2),
+        ParamSpec::new(
+            "lambda",
+            "λ",
+            Dimensionless,
+            (0.0, 10.0),
+            1.0,
+            "weight λ of sliding; fixed unless freed",
+        )
+        .admissible(0.0, 1e3)
+        .fixed(),
+        ParamSpec::new("penalty", "K", InterfaceStiffness, (1e-6, 1e9), 10.0, about)
+            .admissible(1e-9, 1e9)
+            .fixed(),
+    ]
+}
+
+impl Cohesion for Cohesive {
+    fn delta_c(&self, params: &[f64]) -> (f64, [f64; 2]) {
+        let (gc, sigma_c) = (params[GC], params[SIGMA_C]);
+        (gc / (E * sigma_c), [1.0 / (E * sigma_c), -gc / (E * sigma_c * sigma_c)])
+    }
+
+    fn damage(&self, delta_max: f64, params: &[f64]) -> f64 {
+        damage(delta_max, params[GC], params[SIGMA_C])
+    }
+
+    /// 4 e⁻³ = 0.199.
+    fn softening_end(&self, _params: &[f64]) -> f64 {
+        4.0
+    }
+
+    fn is_exponential(&self) -> bool {
+        true
+    }
+}
+
 impl Describe<3> for Cohesive {
     fn parameters(&self) -> Vec<ParamSpec> {
-        use Quantity::{Dimensionless, FractureEnergy, InterfaceStiffness, Stress};
-        vec![
-            ParamSpec::new(
-                "gc",
-                "Gc",
-                FractureEnergy,
-                (1e-6, 1e3),
-                0.23,
-                "fracture energy: work per area to full opening",
-            ),
-            ParamSpec::new("sigma_c", "σc", Stress, (1e-6, 1e4), 0.2, "strength: peak traction"),
-            ParamSpec::new("lambda", "λ", Dimensionless, (0.0, 10.0), 1.0, "weight of tangential opening")
-                .fixed(),
-            ParamSpec::new(
-                "penalty",
-                "K",
-                InterfaceStiffness,
-                (1e-6, 1e9),
-                10.0,
-                "penalty stiffness against interpenetration",
-            )
-            .fixed(),
-        ]
+        common_parameters()
     }
 
     fn history(&self) -> Vec<HistorySpec> {
@@ -98,6 +141,10 @@ impl Describe<3> for Cohesive {
 
     fn rate_dependent(&self) -> bool {
         false
+    }
+
+    fn offers(&self) -> Offers {
+        Offers { bulk: None, cohesion: Some(Arc::new(*self)) }
     }
 
     /// Stored: what unloading gives back. Dissipated: φ(δmax) − ½ t_max δmax, N/mm. This is less

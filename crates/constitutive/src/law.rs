@@ -1,6 +1,6 @@
 //! What a law is, and the object-safe list of scalars it is called with.
 
-use crate::{Jet, Scalar};
+use crate::{Jet, Offers, Scalar};
 use params::ParamSpec;
 use std::borrow::Cow;
 
@@ -100,6 +100,11 @@ pub trait Describe<const G: usize> {
         _new: &mut [f64],
     ) -> Option<([f64; G], [[f64; G]; G])> {
         None
+    }
+
+    /// What the law offers beyond its answer: parts, scales, starts. A decorator passes on what the law inside offers.
+    fn offers(&self) -> Offers {
+        Offers::default()
     }
 }
 

@@ -12,7 +12,10 @@
 
 mod jet;
 mod law;
+mod offers;
+mod part;
 mod scalar;
+pub mod spectral;
 pub mod tensor;
 pub mod testing;
 
@@ -21,4 +24,6 @@ pub use law::{
     Context, Describe, Energy, HistorySpec, Law, PointLaw, Response, WIDTH, tangent_by_jets_1,
     tangent_by_jets_3, tangent_by_jets_9,
 };
+pub use offers::{BulkParts, Capability, Cohesion, FibreFamily, Offers, Part, StartGrid};
+pub use part::{BulkPart, part, part_response, part_tangent};
 pub use scalar::{Over, Scalar};

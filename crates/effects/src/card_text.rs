@@ -100,6 +100,10 @@ fn facts(effect: &dyn Effect) -> Vec<(&'static str, String)> {
     if !card.excludes.is_empty() {
         facts.push(("not together with", card.excludes.join(", ")));
     }
+    let asks: Vec<&str> = effect.asks(&Options::new()).into_iter().map(|a| a.words()).collect();
+    if !asks.is_empty() {
+        facts.push(("asks of the law", asks.join(", ")));
+    }
     if card.breaks_half_height {
         facts.push(("symmetry", "refits need the full height".to_owned()));
     }

@@ -3,7 +3,7 @@
 //! A decoration says only what it adds. [`Decorated`] does the bookkeeping once, so that the state
 //! of the second of two composed effects cannot be lost and names cannot clash.
 
-use constitutive::{Context, Describe, Energy, HistorySpec, Law, PointLaw, Response, Scalar};
+use constitutive::{Context, Describe, Energy, HistorySpec, Law, Offers, PointLaw, Response, Scalar};
 use params::ParamSpec;
 use std::sync::Arc;
 
@@ -170,6 +170,10 @@ impl<D: Decoration<G>, const G: usize> Describe<G> for Decorated<D, G> {
 
     fn rate_dependent(&self) -> bool {
         self.inner.rate_dependent() || self.decoration.rate_dependent()
+    }
+
+    fn offers(&self) -> Offers {
+        self.inner.offers()
     }
 
     fn energies(

@@ -3,8 +3,8 @@
 use crate::fibre::Family;
 use crate::kinematics::{Kinematics, Part, Planar};
 use crate::tangent;
-use constitutive::{Context, Describe, Energy, HistorySpec, Law, Response, Scalar};
-use params::{ParamSpec, Quantity, Transform};
+use constitutive::{Context, Describe, Energy, HistorySpec, Law, Offers, Response, Scalar};
+use params::{ParamSpec, Quantity, Reciprocal, Transform};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Index of μ, shear modulus of the matrix, MPa.
@@ -59,6 +59,29 @@ impl Default for Hgo {
     fn default() -> Self {
         Self { tension_only: true, fibre_invariants: FibreInvariants::Isochoric }
     }
+}
+
+/// D of a law with the volumetric term of the paper's eq. 1: fixed at 0.1/MPa unless freed, or given as the initial
+/// bulk modulus 2/D.
+pub fn compliance() -> ParamSpec {
+    let about = "the paper's D, instead of bulk_modulus; fixed unless freed";
+    ParamSpec::new("d", "D", Quantity::InverseStress, (1e-7, 1e3), 0.1, about)
+        .admissible(2e-7, 2e9)
+        .reciprocal(Reciprocal {
+            name: "bulk_modulus",
+            quantity: Quantity::Stress,
+            numerator: 2.0,
+            description: "initial bulk modulus 2/D; fixed unless freed",
+        })
+        .fixed()
+}
+
+/// E_r, from which the fibre strains of a law count: 0, moved by an effect only.
+pub fn fibre_onset() -> ParamSpec {
+    let about = "fibre strain at which fibres begin to carry load";
+    ParamSpec::new("fibre_onset", "E_r", Quantity::Dimensionless, (-1.0, 10.0), 0.0, about)
+        .neutral(0.0)
+        .internal()
 }
 
 /// Initial bulk modulus K0 = 2/D, MPa, of the volumetric term of the paper's eq. 1.
@@ -129,53 +152,46 @@ impl<S: Scalar> Law<S, 9> for Hgo {
 
 impl Describe<9> for Hgo {
     fn parameters(&self) -> Vec<ParamSpec> {
-        use Quantity::{Angle, Dimensionless, InverseStress, Stress};
+        use Quantity::{Angle, Dimensionless, Stress};
         let angle = Transform::Logit { lower: 0.0, upper: FRAC_PI_2 };
         let dispersion = Transform::Logit { lower: 0.0, upper: 1.0 / 3.0 };
+        // What is expected: medians and spreads over arterial tissue as the paper collects them (Table 1, section 6).
         vec![
-            ParamSpec::new("mu", "μ", Stress, (1e-6, 1e4), 5e-3, "shear modulus of the matrix"),
+            ParamSpec::new("mu", "μ", Stress, (1e-6, 1e4), 5e-3, "shear modulus μ of the matrix")
+                .admissible(1e-9, 1e6)
+                .expected(0.005, 0.6),
             // Zero is admissible for k1 (no fibres) and k2 (quadratic fibres), but a search is
             // over orders of magnitude.
-            ParamSpec::new("k1", "k1", Stress, (0.0, 1e5), 1.0, "fibre stiffness").transform(Transform::Log),
-            ParamSpec::new("k2", "k2", Dimensionless, (0.0, 1e3), 30.0, "fibre stiffening")
-                .transform(Transform::Log),
+            ParamSpec::new("k1", "k1", Stress, (0.0, 1e5), 1.0, "fibre stiffness k1")
+                .transform(Transform::Log)
+                .admissible(0.0, 1e7)
+                .expected(1.0, 1.0),
+            ParamSpec::new("k2", "k2", Dimensionless, (0.0, 1e3), 30.0, "fibre stiffening k2")
+                .transform(Transform::Log)
+                .admissible(0.0, 1e5)
+                .expected(30.0, 0.7),
             ParamSpec::new(
                 "gamma",
                 "γ",
                 Angle,
                 (0.0, FRAC_PI_2),
                 FRAC_PI_4,
-                "angle of the two fibre families to the load direction",
+                "angle γ of the two fibre families to the load axis",
             )
-            .transform(angle),
+            .transform(angle)
+            .expected(0.87, 0.8),
             ParamSpec::new(
                 "kappa",
                 "κ",
                 Dimensionless,
                 (0.0, 1.0 / 3.0),
                 0.2,
-                "fibre dispersion, 0 aligned, 1/3 isotropic",
+                "fibre dispersion κ: 0 aligned, 1/3 isotropic",
             )
-            .transform(dispersion),
-            ParamSpec::new(
-                "d",
-                "D",
-                InverseStress,
-                (1e-7, 1e3),
-                0.1,
-                "volumetric compliance; the initial bulk modulus is 2/D",
-            )
-            .fixed(),
-            ParamSpec::new(
-                "fibre_onset",
-                "E_r",
-                Dimensionless,
-                (-1.0, 10.0),
-                0.0,
-                "fibre strain at which fibres begin to carry load",
-            )
-            .neutral(0.0)
-            .fixed(),
+            .transform(dispersion)
+            .expected(0.23, 1.0),
+            compliance(),
+            fibre_onset(),
         ]
     }
 
@@ -185,6 +201,10 @@ impl Describe<9> for Hgo {
 
     fn rate_dependent(&self) -> bool {
         false
+    }
+
+    fn offers(&self) -> Offers {
+        self.offered()
     }
 
     fn energies(

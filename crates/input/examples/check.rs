@@ -1,8 +1,9 @@
 //! Reads specimens and configs and prints what is resolved, with a catalogue of names only:
 //! `cargo run -p input --example check -- FILE…`
 
-use input::{EffectRegistry, read_case, resolved_toml};
+use input::{EffectRegistry, LawRegistry, LawSite, OptionSpec, OptionValue, read_case, resolved_toml};
 use params::{ParamSpec, Quantity};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 struct Catalogue;
@@ -31,6 +32,25 @@ const NAMES: [&str; 22] = [
     "gain",
     "lag",
 ];
+
+impl LawRegistry for Catalogue {
+    fn law_names(&self, site: LawSite) -> Vec<String> {
+        laws::registry().law_names(site)
+    }
+
+    fn law_options(&self, site: LawSite, law: &str) -> Vec<OptionSpec> {
+        laws::registry().law_options(site, law)
+    }
+
+    fn law_parameters(
+        &self,
+        site: LawSite,
+        law: &str,
+        options: &BTreeMap<String, OptionValue>,
+    ) -> Option<Vec<ParamSpec>> {
+        laws::registry().law_parameters(site, law, options)
+    }
+}
 
 impl EffectRegistry for Catalogue {
     fn names(&self) -> Vec<&str> {

@@ -51,36 +51,32 @@ pub struct MeshConfig {
     pub symmetry: Symmetry,
 }
 
-/// Which invariants the fibres see.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum FibreInvariants {
-    /// Of C̄ = J^(−2/3) C, as the paper (default).
-    #[default]
-    Isochoric,
-    /// Of C.
-    Full,
-}
-
-/// `[bulk]`: Holzapfel–Gasser–Ogden parameters.
+/// `[bulk]`: the law of the tissue.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BulkConfig {
-    /// μ, MPa.
-    pub mu: Value,
-    /// k1, MPa.
-    pub k1: Value,
-    /// k2, a pure number.
-    pub k2: Value,
-    /// Fibre angle from the load axis, rad.
-    pub gamma: Value,
-    /// Dispersion, 0 (aligned) to 1/3 (isotropic).
-    pub kappa: Value,
-    /// D, 1/MPa; the bulk modulus is 2/D. Default 0.1 (20 MPa), fixed.
-    pub d: Value,
-    /// Fibres carry tension only (default).
-    pub tension_only: bool,
-    /// Which invariants the fibres see.
-    pub fibre_invariants: FibreInvariants,
+    /// Name in the registry.
+    pub law: String,
+    /// Every setting of the law that is not a parameter, defaults included.
+    pub options: BTreeMap<String, OptionValue>,
+    /// What the file says about parameters, by name without unit; internal units. What it does not mention is absent,
+    /// but for parameters that are fixed at a value.
+    pub parameters: BTreeMap<String, Value>,
+    /// The law's parameters as it describes them, for whoever has no registry at hand.
+    pub specs: Vec<ParamSpec>,
+}
+
+impl BulkConfig {
+    /// What the file says about a parameter; nothing for one that it does not mention.
+    pub fn value(&self, name: &str) -> Value {
+        self.parameters.get(name).copied().unwrap_or_default()
+    }
+
+    /// Gives a parameter a start; bounds and freedom stay. Nothing for a name that the law does not have.
+    pub fn start(&mut self, name: &str, value: f64) {
+        if self.specs.iter().any(|s| s.name == name) {
+            self.parameters.entry(name.to_owned()).or_default().value = Some(value);
+        }
+    }
 }
 
 /// How strength and toughness vary along the path.
@@ -94,9 +90,13 @@ pub enum Profile {
     Smooth,
 }
 
-/// `[interface]`: the irreversible exponential cohesive law on the tear path.
+/// `[interface]`: the law of the tear path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct InterfaceConfig {
+    /// Name in the registry.
+    pub law: String,
+    /// Every setting of the law that is not a parameter, defaults included.
+    pub options: BTreeMap<String, OptionValue>,
     /// Number m of equal areas along the path (1).
     pub areas: usize,
     /// Between the areas.
@@ -105,10 +105,10 @@ pub struct InterfaceConfig {
     pub gc: Vec<Value>,
     /// σc, MPa; one entry for all areas, or one per area.
     pub sigma_c: Vec<Value>,
-    /// λ, weight of sliding; 1, fixed.
-    pub lambda: Value,
-    /// K, penalty against interpenetration, N/mm³; 10, fixed.
-    pub penalty: Value,
+    /// The law's other parameters, the same in all areas (λ, K, shape), by name; as [`BulkConfig::parameters`].
+    pub parameters: BTreeMap<String, Value>,
+    /// The law's parameters as it describes them, Gc and σc first.
+    pub specs: Vec<ParamSpec>,
 }
 
 impl InterfaceConfig {
@@ -120,6 +120,19 @@ impl InterfaceConfig {
     /// σc of area `i` (from 0): its own entry, or the common one.
     pub fn sigma_c_of(&self, i: usize) -> Value {
         entry(&self.sigma_c, i)
+    }
+
+    /// What the file says about a parameter that all areas share; nothing for one that it does not mention.
+    pub fn value(&self, name: &str) -> Value {
+        self.parameters.get(name).copied().unwrap_or_default()
+    }
+
+    /// Gives a parameter that all areas share a start; bounds and freedom stay. Nothing for a name that the law does
+    /// not have.
+    pub fn start(&mut self, name: &str, value: f64) {
+        if self.specs.iter().any(|s| s.name == name) {
+            self.parameters.entry(name.to_owned()).or_default().value = Some(value);
+        }
     }
 }
 

@@ -19,13 +19,13 @@
 //!     [bulk]
 //!     mu_kPa = { start = 5.0, max = 50.0 }
 //! "#)?;
-//! let case = input::read_case(&path, &input::NoEffects)?;
+//! let case = input::read_case(&path, &laws::registry())?;
 //! assert_eq!(case.geometry.thickness, 0.8);
-//! assert_eq!(case.bulk.mu.max, Some(0.05));
+//! assert_eq!(case.bulk.value("mu").max, Some(0.05));
 //! assert_eq!(case.tests[0].name, "uniaxial");
 //!
 //! std::fs::write(&path, "[bulk]\nmu_kpa = 5.0\n")?;
-//! let faults = input::read_case(&path, &input::NoEffects).unwrap_err().to_string();
+//! let faults = input::read_case(&path, &laws::registry()).unwrap_err().to_string();
 //! assert!(faults.contains("strip.toml:2:1: error: unknown key `mu_kpa` in [bulk]; did you mean `mu_kPa`?"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -47,15 +47,15 @@ mod write;
 
 pub use case::{Averaged, Averages, Case, Ends, Geometry, Grips, Leg, Location, Record, Test, TestKind};
 pub use config::{
-    BulkConfig, Control, EffectConfig, FibreInvariants, Figure, IdentifyConfig, Integration, InterfaceConfig,
-    MeshConfig, Mode, OptionValue, OutputConfig, Prior, PriorsConfig, Profile, SolverConfig, Symmetry, Value,
+    BulkConfig, Control, EffectConfig, Figure, IdentifyConfig, Integration, InterfaceConfig, MeshConfig,
+    Mode, OptionValue, OutputConfig, Prior, PriorsConfig, Profile, SolverConfig, Symmetry, Value,
 };
 pub use diagnostics::{Diagnostic, Diagnostics, Excerpt, Severity};
 pub use inputs::{InputFile, sha256};
 pub use keys::{Fallback, Key, Kind, Limits, keys};
 pub use locate::locate;
-pub use read::{LARGEST_TOML, read_case};
-pub use registry::{EffectRegistry, NoEffects, OptionKind, OptionSpec};
+pub use read::{LARGEST_TOML, keys_of_law, read_case};
+pub use registry::{EffectRegistry, LawRegistry, LawSite, OptionKind, OptionSpec};
 pub use schema::json_schema;
 pub use text::{read_text, visible};
 pub use write::{resolved_toml, resolved_toml_with};

@@ -1,12 +1,54 @@
-//! What the reader must know about effects, without knowing any.
+//! What the reader must know about laws and effects, without knowing any.
 
-use crate::config::OptionValue;
+use crate::config::{BulkConfig, EffectConfig, InterfaceConfig, OptionValue};
 use params::ParamSpec;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// The catalogue of effects as the reader sees it; implemented by crate `effects`.
-pub trait EffectRegistry {
+/// What a law describes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LawSite {
+    /// The tissue: `[bulk]`.
+    Bulk,
+    /// The tear path: `[interface]`.
+    Interface,
+}
+
+impl LawSite {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Bulk, Self::Interface];
+
+    /// The section of a file, and the first word of parameter paths.
+    pub const fn section(self) -> &'static str {
+        match self {
+            Self::Bulk => "bulk",
+            Self::Interface => "interface",
+        }
+    }
+}
+
+/// The laws as the reader sees them; implemented by crate `laws`.
+///
+/// An interface law's parameters begin with `gc` and `sigma_c`, which have a value per area.
+pub trait LawRegistry {
+    /// Names of the laws of a site, the default first.
+    fn law_names(&self, site: LawSite) -> Vec<String>;
+
+    /// Settings of a law that are not parameters.
+    fn law_options(&self, site: LawSite, law: &str) -> Vec<OptionSpec>;
+
+    /// Parameters of a law under its settings, in its order; `None` if there is no such law.
+    fn law_parameters(
+        &self,
+        site: LawSite,
+        law: &str,
+        options: &BTreeMap<String, OptionValue>,
+    ) -> Option<Vec<ParamSpec>>;
+}
+
+/// The catalogue of laws and effects as the reader sees it; implemented by crate `model` for a catalogue of effects.
+pub trait EffectRegistry: LawRegistry {
     /// Every effect's name.
     fn names(&self) -> Vec<&str>;
 
@@ -34,18 +76,10 @@ pub trait EffectRegistry {
         let _ = effect;
         Vec::new()
     }
-}
 
-/// The empty catalogue: every `[effects.NAME]` is an error.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct NoEffects;
-
-impl EffectRegistry for NoEffects {
-    fn names(&self) -> Vec<&str> {
-        Vec::new()
-    }
-
-    fn parameters(&self, _effect: &str) -> Option<Vec<ParamSpec>> {
+    /// Why an effect cannot act on these laws, in words ("law `neo_hooke` has no fibre families"); `None` if it can.
+    fn lacks(&self, effect: &EffectConfig, bulk: &BulkConfig, interface: &InterfaceConfig) -> Option<String> {
+        let _ = (effect, bulk, interface);
         None
     }
 }

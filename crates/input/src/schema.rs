@@ -1,8 +1,8 @@
 //! A JSON schema of the files, for editors that complete and check while one types.
 
 use crate::keys::{Fallback, Key, Kind, Limits, of};
-use crate::read::{key_of, option_key};
-use crate::registry::EffectRegistry;
+use crate::read::{key_of, keys_of_law, option_key};
+use crate::registry::{EffectRegistry, LawSite};
 use serde_json::{Map, Value, json};
 
 /// JSON schema (draft 2020-12) of specimens and configurations, effects as the catalogue has them.
@@ -12,14 +12,48 @@ pub fn json_schema(registry: &dyn EffectRegistry) -> Value {
         let section = format!("effects.{name}");
         let specs = registry.parameters(name).unwrap_or_default();
         let mut keys: Vec<Key> = specs.iter().map(|s| key_of(section.clone(), s)).collect();
-        keys.extend(registry.options(name).iter().map(|o| option_key(name, o)));
+        keys.extend(registry.options(name).iter().map(|o| option_key(section.clone().into(), o)));
         effects.insert(name.to_owned(), object(&keys));
     }
     let mut schema = object(&of(""));
     schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
     schema["title"] = json!("fct: specimen and configuration");
     schema["properties"]["effects"]["properties"] = Value::Object(effects);
+    for site in LawSite::ALL {
+        let description = schema["properties"][site.section()]["description"].take();
+        schema["properties"][site.section()] = of_laws(site, registry);
+        schema["properties"][site.section()]["description"] = description;
+    }
     schema
+}
+
+/// The section of a site: the keys of all laws, and for each law which of them it takes.
+fn of_laws(site: LawSite, registry: &dyn EffectRegistry) -> Value {
+    let names = registry.law_names(site);
+    let common = of(site.section());
+    let mut keys = common.clone();
+    let mut each = Vec::new();
+    for (index, law) in names.iter().enumerate() {
+        let own = keys_of_law(registry, site, law);
+        let spelt = common.iter().chain(&own).flat_map(Key::spellings).map(|s| s.0);
+        let takes = json!({ "propertyNames": { "enum": spelt.collect::<Vec<_>>() } });
+        let mut named = json!({ "properties": { "law": { "const": law } } });
+        // Without `law` it is the first.
+        if index > 0 {
+            named["required"] = json!(["law"]);
+        }
+        each.push(json!({ "if": named, "then": takes }));
+        keys.extend(own);
+    }
+    let mut seen = std::collections::BTreeSet::new();
+    keys.retain(|k| seen.insert(k.spelling()));
+    let mut out = object(&keys);
+    out["properties"]["law"]["enum"] = json!(names);
+    if let Some(first) = names.first() {
+        out["properties"]["law"]["default"] = json!(first);
+    }
+    out["allOf"] = Value::Array(each);
+    out
 }
 
 /// A table with these keys and no others; every spelling of a key is a property.

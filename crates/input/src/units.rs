@@ -30,11 +30,11 @@ fn handy(numbers: &[f64]) -> bool {
     largest == 0.0 || (1e-3..1e5).contains(&largest)
 }
 
-/// The bulk modulus (MPa) of a D (1/MPa), if that survives the way back.
-pub(crate) fn spell_bulk_modulus(d: &Value) -> Option<Value> {
+/// A parameter x as `numerator`/x (the bulk modulus of a D), if that survives the way back.
+pub(crate) fn spell_reciprocal(d: &Value, numerator: f64) -> Option<Value> {
     let modulus = |x: Option<f64>| match x {
         None => Some(None),
-        Some(d) => before(d, 2.0 / d, |k| 2.0 / k).map(Some),
+        Some(d) => before(d, numerator / d, |k| numerator / k).map(Some),
     };
     Some(Value { value: modulus(d.value)?, min: modulus(d.max)?, max: modulus(d.min)?, fixed: d.fixed })
 }
@@ -62,7 +62,7 @@ mod tests {
         assert_eq!((key.as_str(), numbers[0]), ("mu_kPa", 5.1));
         let gamma = 38.53 * (std::f64::consts::PI / 180.0);
         assert_eq!(spell(Quantity::Angle, "gamma", &[gamma]), ("gamma_deg".to_owned(), vec![38.53]));
-        let modulus = spell_bulk_modulus(&Value::new(2.0 / 20.0));
+        let modulus = spell_reciprocal(&Value::new(2.0 / 20.0), 2.0);
         assert_eq!(modulus, Some(Value::new(20.0)));
     }
 

@@ -2,11 +2,12 @@
 
 use crate::case::{Case, Ends, Geometry, Grips, Leg, Record, Test, absolute};
 use crate::config::{
-    BulkConfig, Control, EffectConfig, FibreInvariants, Figure, IdentifyConfig, Integration, InterfaceConfig,
-    MeshConfig, Mode, OptionValue, OutputConfig, Profile, SolverConfig, Symmetry, Value,
+    BulkConfig, Control, EffectConfig, Figure, IdentifyConfig, Integration, InterfaceConfig, MeshConfig,
+    Mode, OptionValue, OutputConfig, Profile, SolverConfig, Symmetry, Value,
 };
-use crate::units::{spell, spell_bulk_modulus};
-use params::Quantity;
+use crate::units::{spell, spell_reciprocal};
+use params::{ParamSpec, Quantity};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -193,31 +194,56 @@ fn mesh(w: &mut Writer, m: &MeshConfig) {
 
 fn bulk(w: &mut Writer, b: &BulkConfig) {
     w.header("[bulk]");
-    w.values("mu", Quantity::Stress, &[b.mu], false);
-    w.values("k1", Quantity::Stress, &[b.k1], false);
-    w.values("k2", Quantity::Dimensionless, &[b.k2], false);
-    w.values("gamma", Quantity::Angle, &[b.gamma], false);
-    w.values("kappa", Quantity::Dimensionless, &[b.kappa], false);
-    match spell_bulk_modulus(&b.d) {
-        Some(modulus) => {
-            let numbers = [modulus.value, modulus.min, modulus.max].into_iter().flatten().collect();
-            w.spelled("bulk_modulus_MPa", &[modulus], numbers, true);
-        }
-        None => w.values("d", Quantity::InverseStress, &[b.d], true),
+    w.text("law", &b.law);
+    for spec in &b.specs {
+        law_parameter(w, spec, b.value(&spec.name));
     }
-    w.line("tension_only", &b.tension_only.to_string());
-    let isochoric = b.fibre_invariants == FibreInvariants::Isochoric;
-    w.text("fibre_invariants", if isochoric { "isochoric" } else { "full" });
+    options(w, &b.options);
 }
 
 fn interface(w: &mut Writer, i: &InterfaceConfig) {
     w.header("[interface]");
+    w.text("law", &i.law);
     w.line("areas", &i.areas.to_string());
     w.text("profile", if i.profile == Profile::Piecewise { "piecewise" } else { "smooth" });
-    w.values("gc", Quantity::FractureEnergy, &i.gc, false);
-    w.values("sigma_c", Quantity::Stress, &i.sigma_c, false);
-    w.values("lambda", Quantity::Dimensionless, &[i.lambda], true);
-    w.values("penalty", Quantity::InterfaceStiffness, &[i.penalty], true);
+    for (index, spec) in i.specs.iter().enumerate() {
+        match index {
+            0 => w.values(&spec.name, spec.quantity, &i.gc, spec.fixed),
+            1 => w.values(&spec.name, spec.quantity, &i.sigma_c, spec.fixed),
+            _ => law_parameter(w, spec, i.value(&spec.name)),
+        }
+    }
+    options(w, &i.options);
+}
+
+/// A parameter of a law, as its reciprocal where that reads back to the same number.
+fn law_parameter(w: &mut Writer, spec: &ParamSpec, value: Value) {
+    if spec.internal {
+        return;
+    }
+    let reciprocal = spec.reciprocal.and_then(|r| Some((r, spell_reciprocal(&value, r.numerator)?)));
+    match reciprocal {
+        Some((r, other)) => {
+            let numbers = [other.value, other.min, other.max].into_iter().flatten().collect();
+            let key = crate::keys::units(r.quantity, r.name)
+                .iter()
+                .find(|s| s.factor == 1.0)
+                .map_or_else(|| r.name.to_owned(), |s| format!("{}_{}", r.name, s.name));
+            w.spelled(&key, &[other], numbers, spec.fixed);
+        }
+        None => w.values(&spec.name, spec.quantity, &[value], spec.fixed),
+    }
+}
+
+fn options(w: &mut Writer, options: &BTreeMap<String, OptionValue>) {
+    for (name, option) in options {
+        match option {
+            OptionValue::Bool(b) => w.line(name, &b.to_string()),
+            OptionValue::Integer(i) => w.line(name, &i.to_string()),
+            OptionValue::Number(x) => w.line(name, &float(*x)),
+            OptionValue::Text(t) => w.text(name, t),
+        }
+    }
 }
 
 fn effect(w: &mut Writer, e: &EffectConfig) {
@@ -231,14 +257,7 @@ fn effect(w: &mut Writer, e: &EffectConfig) {
             }
         }
     }
-    for (name, option) in &e.options {
-        match option {
-            OptionValue::Bool(b) => w.line(name, &b.to_string()),
-            OptionValue::Integer(i) => w.line(name, &i.to_string()),
-            OptionValue::Number(x) => w.line(name, &float(*x)),
-            OptionValue::Text(t) => w.text(name, t),
-        }
-    }
+    options(w, &e.options);
 }
 
 fn identify(w: &mut Writer, i: &IdentifyConfig) {

@@ -19,9 +19,6 @@ pub mod output {
     pub const SOFTENING: usize = 4;
 }
 
-/// The softening zone ends where the opening is this many times δc: a fifth of the strength is left there.
-const SPENT: f64 = 4.0;
-
 /// A line of path nodes through the thickness at one x.
 #[derive(Clone, Debug)]
 struct PathLine {
@@ -43,6 +40,8 @@ pub struct Camera {
     pub thresholds: Vec<f64>,
     /// δc of each area, mm.
     pub critical: Vec<f64>,
+    /// Opening at which the softening zone ends, over δc.
+    pub spent: f64,
 }
 
 impl Camera {
@@ -82,6 +81,7 @@ impl Camera {
             right: set("right_mid"),
             thresholds: none.clone(),
             critical: none,
+            spent: f64::INFINITY,
         }
     }
 
@@ -101,7 +101,7 @@ impl Camera {
         sum * (1.0 / line.pairs.len() as f64)
     }
 
-    /// How many elements lie between the places where the opening is δc and where it is [`SPENT`] δc.
+    /// How many elements lie between the places where the opening is δc and where the softening zone ends.
     fn softening(&self, u: &dyn Fn(usize) -> f64) -> f64 {
         let over: Vec<f64> = self.lines.iter().map(|l| Self::opening(l, u) / self.critical[l.area]).collect();
         // Index of the last line that is open that far, and the place beyond it where the opening falls below.
@@ -112,7 +112,7 @@ impl Camera {
             let width = next.x - self.lines[i].x;
             Some((self.lines[i].x + share * width, width))
         };
-        match (place(SPENT), place(1.0)) {
+        match (place(self.spent), place(1.0)) {
             (Some((spent, _)), Some((peak, width))) => (peak - spent) / width,
             _ => f64::INFINITY,
         }

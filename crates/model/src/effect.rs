@@ -4,7 +4,7 @@
 //! report and the docs read everything from its [`Card`] and its parameter list. A user's own
 //! effect implements [`Effect`] outside the workspace and is as good as a built-in one.
 
-use constitutive::PointLaw;
+use constitutive::{Capability, PointLaw};
 use input::{OptionSpec, OptionValue, TestKind};
 use params::ParamSpec;
 use std::collections::BTreeMap;
@@ -231,6 +231,13 @@ pub trait Effect: Send + Sync {
         Vec::new()
     }
 
+    /// What it asks of the law it acts on under these options. A law that does not offer it is refused when a file is
+    /// read, and such an effect is no candidate of a search.
+    fn asks(&self, options: &Options) -> Vec<Capability> {
+        let _ = options;
+        Vec::new()
+    }
+
     /// Grid of parameter values on which the neutral amplitude is screened; every entry is a full
     /// parameter vector with the amplitude at its neutral value. One entry where there is no shape.
     fn shapes(&self, scales: &Scales) -> Vec<Vec<f64>>;
@@ -241,55 +248,4 @@ pub trait Effect: Send + Sync {
 
     /// How it acts.
     fn act(&self, options: &Options, piece: &Piece) -> Action;
-}
-
-/// A list of effects that can be asked by name.
-#[derive(Clone, Default)]
-pub struct Catalogue {
-    effects: Vec<Arc<dyn Effect>>,
-}
-
-impl Catalogue {
-    /// A catalogue of these effects, in this order.
-    pub fn new(effects: Vec<Arc<dyn Effect>>) -> Self {
-        Self { effects }
-    }
-
-    /// The same with one more.
-    pub fn with(mut self, effect: Arc<dyn Effect>) -> Self {
-        self.effects.push(effect);
-        self
-    }
-
-    /// All effects.
-    pub fn iter(&self) -> impl Iterator<Item = &Arc<dyn Effect>> {
-        self.effects.iter()
-    }
-
-    /// The effect of this name.
-    pub fn get(&self, name: &str) -> Option<&Arc<dyn Effect>> {
-        self.effects.iter().find(|e| e.card().name == name)
-    }
-}
-
-impl input::EffectRegistry for Catalogue {
-    fn names(&self) -> Vec<&str> {
-        self.effects.iter().map(|e| e.card().name).collect()
-    }
-
-    fn parameters(&self, effect: &str) -> Option<Vec<ParamSpec>> {
-        self.get(effect).map(|e| e.parameters(&Options::new()))
-    }
-
-    fn parameters_with(&self, effect: &str, options: &Options) -> Option<Vec<ParamSpec>> {
-        self.get(effect).map(|e| e.parameters(options))
-    }
-
-    fn excludes(&self, effect: &str) -> Vec<String> {
-        self.get(effect).map_or_else(Vec::new, |e| e.card().excludes.iter().map(|&s| s.to_owned()).collect())
-    }
-
-    fn options(&self, effect: &str) -> Vec<OptionSpec> {
-        self.get(effect).map_or_else(Vec::new, |e| e.options())
-    }
 }

@@ -7,15 +7,17 @@
 
 mod build;
 pub mod camera;
+mod catalogue;
 pub mod cost;
 pub mod effect;
 mod plan;
 mod predict;
 
 pub use build::{BuildError, Discretisation, Model, TestModel};
+pub use catalogue::Catalogue;
 pub use effect::{
-    Action, Bulk, Card, Catalogue, Effect, Interface, Link, Mount, Options, Piece, Reading, Sample, Scales,
-    Screening, Sensor, Shape, Sided, Site,
+    Action, Bulk, Card, Effect, Interface, Link, Mount, Options, Piece, Reading, Sample, Scales, Screening,
+    Sensor, Shape, Sided, Site,
 };
 pub use plan::{
     Corner, Place, Plan, RunIndex, Stencil, Stepping, corner_rows, corners_of_protocol, corners_of_record,

@@ -27,6 +27,47 @@ pub struct ParamSpec {
     pub transform: Transform,
     /// One line of explanation.
     pub description: Cow<'static, str>,
+    /// Least and greatest value that a file may give; `None`: the bounds of the search.
+    #[serde(skip)]
+    pub admissible: Option<(f64, f64)>,
+    /// What the literature lets one expect, where it does.
+    #[serde(skip)]
+    pub expected: Option<Expected>,
+    /// Another way to give the same parameter, where there is one.
+    #[serde(skip)]
+    pub reciprocal: Option<Reciprocal>,
+    /// No key of a file: it is carried for an effect that moves it.
+    #[serde(skip)]
+    pub internal: bool,
+}
+
+/// A prior of the literature, in the parameter's own optimiser coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Expected {
+    /// Median, internal unit.
+    pub median: f64,
+    /// Standard deviation in the coordinate; in a logarithm, 1 is a factor 2.7 either way.
+    pub spread: f64,
+}
+
+/// A parameter x that may also be given as `numerator`/x: the bulk modulus 2/D in place of D.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reciprocal {
+    /// Name in files, without unit.
+    pub name: &'static str,
+    /// Physical kind of `numerator`/x.
+    pub quantity: Quantity,
+    /// What is divided.
+    pub numerator: f64,
+    /// One line of explanation.
+    pub description: &'static str,
+}
+
+impl Reciprocal {
+    /// `numerator`/x, either way; infinite for 0.
+    pub fn of(&self, x: f64) -> f64 {
+        self.numerator / x
+    }
 }
 
 impl ParamSpec {
@@ -51,7 +92,35 @@ impl ParamSpec {
             fixed: false,
             transform: if lower > 0.0 { Transform::Log } else { Transform::Identity },
             description: description.into(),
+            admissible: None,
+            expected: None,
+            reciprocal: None,
+            internal: false,
         }
+    }
+
+    /// The same with wider (or narrower) limits for what a file may give than the search has.
+    pub fn admissible(mut self, lower: f64, upper: f64) -> Self {
+        self.admissible = Some((lower, upper));
+        self
+    }
+
+    /// The same with a prior of the literature: median, and standard deviation in the optimiser's coordinate.
+    pub fn expected(mut self, median: f64, spread: f64) -> Self {
+        self.expected = Some(Expected { median, spread });
+        self
+    }
+
+    /// The same with another way to give it.
+    pub fn reciprocal(mut self, reciprocal: Reciprocal) -> Self {
+        self.reciprocal = Some(reciprocal);
+        self
+    }
+
+    /// The same, held fixed and without a key: an effect moves it.
+    pub fn internal(mut self) -> Self {
+        (self.internal, self.fixed) = (true, true);
+        self
     }
 
     /// The same with a neutral value.

@@ -125,15 +125,10 @@ pub fn geometry(random: &mut Random) -> Geometry {
 impl Tissue {
     /// Writes the values into a case.
     pub fn put(&self, case: &mut Case) {
-        let b = &mut case.bulk;
-        for (slot, v) in [
-            (&mut b.mu, self.mu),
-            (&mut b.k1, self.k1),
-            (&mut b.k2, self.k2),
-            (&mut b.gamma, self.gamma),
-            (&mut b.kappa, self.kappa),
-        ] {
-            *slot = Value::new(v);
+        for (name, v) in
+            [("mu", self.mu), ("k1", self.k1), ("k2", self.k2), ("gamma", self.gamma), ("kappa", self.kappa)]
+        {
+            case.bulk.parameters.insert(name.to_owned(), Value::new(v));
         }
         case.interface.areas = self.gc.len();
         case.interface.gc = self.gc.iter().map(|&v| Value::new(v)).collect();

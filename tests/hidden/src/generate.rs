@@ -66,7 +66,7 @@ pub fn generate(spec: &Spec, fineness: &Fineness, folder: &Path) -> Result<Truth
 
 fn template() -> Result<Case, GenerateError> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/template.toml");
-    input::read_case(Path::new(path), &input::NoEffects).map_err(|e| GenerateError::file(path, &e))
+    input::read_case(Path::new(path), &laws::registry()).map_err(|e| GenerateError::file(path, &e))
 }
 
 /// Draws one piece and lowers its strength until nothing jumps.

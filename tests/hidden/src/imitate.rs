@@ -7,7 +7,7 @@ use crate::files::{self, Truth, VISIBLE};
 use crate::forward::{self, add_effect, never, slots};
 use crate::outside::Outside;
 use analysis::{FeProblem, frees, run_options};
-use input::{Case, NoEffects};
+use input::Case;
 use inverse::{Data, FitOptions, NoiseModel, Problem};
 use model::{Catalogue, Channel, Discretisation, Model};
 use serde::{Deserialize, Serialize};
@@ -75,7 +75,7 @@ pub fn stored(folder: &Path) -> Option<Imitated> {
 pub fn measure(folder: &Path) -> Result<Imitated, GenerateError> {
     let truth = files::truth(folder)?;
     let path = folder.join("config.toml");
-    let mut case = input::read_case(&path, &NoEffects)
+    let mut case = input::read_case(&path, &laws::registry())
         .map_err(|e| GenerateError::file(&path.display().to_string(), &e))?;
     truth.tissue.put(&mut case);
     let trial = Trial { catalogue: forward::catalogue(), truth: &truth, base: case };

@@ -17,17 +17,15 @@ const MAY_SEE: &[(&str, &[&str])] = &[
     // 2
     ("hgo", &["constitutive", "params"]),
     ("cohesive", &["constitutive", "params"]),
+    ("laws", &["cohesive", "constitutive", "hgo", "input", "params"]),
     ("fem", &["constitutive", "mesh", "params"]),
     ("diagnose", &["inverse", "params"]),
     ("evidence", &["inverse", "params"]),
     // 3
-    ("model", &["cohesive", "constitutive", "fem", "hgo", "input", "inverse", "mesh", "params"]),
+    ("model", &["cohesive", "constitutive", "fem", "input", "inverse", "laws", "mesh", "params"]),
     // 4
-    ("effects", &["cohesive", "constitutive", "hgo", "input", "model", "params"]),
-    (
-        "analysis",
-        &["constitutive", "diagnose", "evidence", "fem", "hgo", "input", "inverse", "model", "params"],
-    ),
+    ("effects", &["cohesive", "constitutive", "input", "model", "params"]),
+    ("analysis", &["constitutive", "diagnose", "evidence", "fem", "input", "inverse", "model", "params"]),
     // cohesive, constitutive, fem: the fields it writes (stress, damage) are computed from states.
     (
         "report",
@@ -57,6 +55,9 @@ const MAY_SEE: &[(&str, &[&str])] = &[
 /// What tests, benches and examples may see besides: never part of the shipped graph.
 const TESTS_MAY_SEE: &[(&str, &[&str])] = &[
     ("fem", &["hgo", "cohesive"]),
+    ("input", &["laws"]),
+    ("effects", &["hgo", "laws"]),
+    ("fct-cli", &["laws"]),
     ("diagnose", &["params"]),
     ("analysis", &["effects"]),
     ("model", &["effects"]),

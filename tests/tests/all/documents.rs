@@ -32,3 +32,20 @@ fn the_page_about_names_gives_the_thresholds_of_the_search() {
         assert!(page.contains(&said), "not in names.md: {said}");
     }
 }
+
+/// A how-to whose program does not run is worse than none: what the pages show are the examples that are compiled.
+#[test]
+fn the_how_tos_show_the_examples_word_for_word() {
+    for (page, example) in [
+        (
+            include_str!("../../../docs/adding-a-law.md"),
+            include_str!("../../../crates/effects/examples/own_laws.rs"),
+        ),
+        (
+            include_str!("../../../docs/adding-an-effect.md"),
+            include_str!("../../../crates/effects/examples/own_effect.rs"),
+        ),
+    ] {
+        assert!(page.contains(example), "{}", example.lines().next().unwrap_or_default());
+    }
+}

@@ -3,5 +3,6 @@
 mod config_to_model;
 mod crate_graph;
 mod documents;
+mod every_law;
 mod every_number;
 mod licences;

@@ -125,6 +125,7 @@ impl Base<'_> {
             let tear = self.model.tests.iter().any(|t| t.test.kind == TestKind::Tearing);
             if present.iter().any(|p| p == card.name || excluded(p))
                 || (card.site == model::Site::Interface && !tear)
+                || !self.catalogue.can_act(&**effect, &model::Options::new(), &self.model.case)
             {
                 continue;
             }

@@ -49,10 +49,11 @@ pub fn scales(model: &Model, theta: &[f64]) -> Scales {
     let stretch = 1.0 + s.uniaxial_displacement / g.length;
     s.fibre_strain = (stretch * stretch - 1.0) * 0.5;
     let middle = model.areas().div_ceil(2);
-    let at = |what: &str| model.find(&format!("interface.area[{middle}].{what}")).map(|i| theta[i]);
-    if let (Some(gc), Some(sc)) = (at("gc"), at("sigma_c")) {
-        s.sigma_c = sc;
-        s.delta_c = gc / (std::f64::consts::E * sc);
+    if let Some((delta_c, _)) = model.critical_opening(middle - 1, theta) {
+        s.delta_c = delta_c;
+    }
+    if let Some(i) = model.find(&format!("interface.area[{middle}].sigma_c")) {
+        s.sigma_c = theta[i];
     }
     s
 }

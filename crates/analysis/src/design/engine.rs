@@ -280,12 +280,11 @@ fn guessed(model: &Model) -> Vec<f64> {
             theta[i] = value.clamp(spec.lower, spec.upper);
         }
     };
-    if case.bulk.k1.value.is_none() {
-        let paths = ["mu", "k1", "k2", "gamma", "kappa"].map(|n| format!("bulk.{n}"));
-        let given = paths.clone().map(|p| model.find(&p).map_or(0.0, |i| theta[i]));
+    let given = |i: usize| case.bulk.value(&model.parameters[i].spec.name).value.is_some();
+    if let Some(offered) = model.starts().filter(|s| !given(s.size)) {
         let list = frees(model, &theta, &model.free());
-        if let Some(tissue) = crate::strip::tissues(case, &list, given).first() {
-            paths.iter().zip(tissue).for_each(|(path, v)| set(&mut theta, path, *v));
+        if let Some(tissue) = crate::strip::tissues(model, case, &list, &theta).into_iter().next() {
+            offered.axes.iter().for_each(|&(i, _)| set(&mut theta, &model.parameters[i].path, tissue[i]));
         }
     }
     let torn = case.tests.iter().any(|t| t.kind == TestKind::Tearing && t.record.is_some());

@@ -39,6 +39,9 @@ impl FeLadder<'_> {
         let values: Vec<f64> =
             config.specs.iter().filter_map(|s| f.model.find(&path(s)).map(|i| f.theta[i])).collect();
         for (settings, values) in effect.richer(&config.options, &values) {
+            if !self.catalogue.can_act(&**effect, &settings, &f.model.case) {
+                continue;
+            }
             let mut case = (*f.model.case).clone();
             case.effects[at] = config_with(effect, &settings, &values);
             let model = Model::new(Arc::new(case), self.catalogue, self.how)?;

@@ -3,13 +3,19 @@
 
 use super::symmetric::{Sym, dot, pushed};
 use crate::decorator::Tangent;
-use constitutive::tensor;
+use constitutive::{Part, part_tangent, tensor};
 
-/// The tangent without the volumetric term of the base law.
-pub fn isochoric_tangent(gradient: &[f64; 9], base: &[f64], whole: &Tangent<9>) -> Tangent<9> {
-    let (p, a) = hgo::volumetric_tangent(gradient, base[hgo::D]);
+/// The tangent without the volumetric part of the base law.
+pub fn isochoric_tangent(
+    volumetric: Option<&Part>,
+    gradient: &[f64; 9],
+    base: &[f64],
+    whole: &Tangent<9>,
+) -> Tangent<9> {
     let mut out = *whole;
-    add(&mut out, -1.0, &(p, a));
+    if let Some(part) = volumetric {
+        add(&mut out, -1.0, &part_tangent(part, gradient, base));
+    }
     out
 }
 

@@ -1,11 +1,10 @@
 //! Fibres that lose stiffness for good once their energy passes a threshold.
 
-use super::base::base_law;
 use super::by_hand::{add, add_square};
+use super::fibres_of;
 use crate::decorator::{Call, Decoration, Tangent, decorate};
 use crate::numeric::{add_scaled, plus};
-use constitutive::{Energy, Law, PointLaw, Response, Scalar};
-use hgo::{FAMILIES, Hgo};
+use constitutive::{Capability, Energy, Law, Part, PointLaw, Response, Scalar, part_response, part_tangent};
 use model::{Action, Card, Effect, Options, Piece, Scales, Screening, Sided, Site};
 use params::{ParamSpec, Quantity};
 use std::sync::Arc;
@@ -56,6 +55,10 @@ impl Effect for FiberDamage {
         own_parameters()
     }
 
+    fn asks(&self, _options: &Options) -> Vec<Capability> {
+        vec![Capability::Fibres]
+    }
+
     fn shapes(&self, scales: &Scales) -> Vec<Vec<f64>> {
         // A family holds about half the energy; early and late onset, abrupt and gradual.
         let e = 0.5 * scales.energy;
@@ -71,14 +74,15 @@ impl Effect for FiberDamage {
 
     fn act(&self, _options: &Options, _piece: &Piece) -> Action {
         Action::Bulk(Box::new(|inner| {
-            let base = base_law(&inner);
-            Arc::new(decorate(inner, Damage { base }))
+            let fibres = fibres_of(&inner).into_iter().map(|f| f.response).collect();
+            Arc::new(decorate(inner, Damage { fibres }))
         }))
     }
 }
 
 struct Damage {
-    base: Hgo,
+    /// The families of the base law, with the brackets and invariants it puts them on with.
+    fibres: Vec<Part>,
 }
 
 /// d_f as a function of the largest energy of the family.
@@ -102,7 +106,7 @@ impl Decoration<9> for Damage {
     }
 
     fn history(&self) -> Vec<(String, f64)> {
-        (1..=FAMILIES).map(|f| (format!("psi_max_{f}"), 0.0)).collect()
+        (1..=self.fibres.len()).map(|f| (format!("psi_max_{f}"), 0.0)).collect()
     }
 
     fn respond<S: Scalar>(&self, call: &Call<'_, S, 9>, inner_new: &mut [S], new: &mut [S]) -> Response<S, 9>
@@ -110,8 +114,8 @@ impl Decoration<9> for Damage {
         dyn PointLaw<9>: Law<S, 9>,
     {
         let mut r = call.inner(inner_new);
-        for (family, (psi_max, old)) in new.iter_mut().zip(call.old).enumerate() {
-            let fibre = hgo::fibre_response(&self.base, call.gradient, call.base, family);
+        for (family, (psi_max, old)) in self.fibres.iter().zip(new.iter_mut().zip(call.old)) {
+            let fibre = part_response(family, call.gradient, call.base);
             *psi_max = fibre.energy.max_of(*old);
             let d = -damage(call.own, *psi_max);
             add_scaled(&mut r.force, d, &fibre.force);
@@ -127,13 +131,13 @@ impl Decoration<9> for Damage {
         new: &mut [f64],
     ) -> Option<Tangent<9>> {
         let mut sum = call.inner_tangent(call.gradient, call.base, inner_new)?;
-        for (family, (psi_max, old)) in new.iter_mut().zip(call.old).enumerate() {
-            let psi = hgo::fibre_response(&self.base, call.gradient, call.base, family).energy;
+        for (family, (psi_max, old)) in self.fibres.iter().zip(new.iter_mut().zip(call.old)) {
+            let psi = part_response(family, call.gradient, call.base).energy;
             *psi_max = psi.max_of(*old);
             if *psi_max <= call.own[PSI0] {
                 continue;
             }
-            let fibre = hgo::fibre_tangent(&self.base, call.gradient, call.base, family);
+            let fibre = part_tangent(family, call.gradient, call.base);
             add(&mut sum, -damage(call.own, *psi_max), &fibre);
             if psi >= *old {
                 let rate = call.own[A] / call.own[SCALE] * (-(psi - call.own[PSI0]) / call.own[SCALE]).exp();
@@ -145,8 +149,8 @@ impl Decoration<9> for Damage {
 
     fn energies(&self, call: &Call<'_, f64, 9>, inner_new: &[f64], new: &[f64]) -> Energy {
         let mut e = call.inner_energies(call.gradient, call.base, inner_new);
-        for (family, &psi_max) in new.iter().enumerate() {
-            let psi = hgo::fibre_response(&self.base, call.gradient, call.base, family).energy;
+        for (family, &psi_max) in self.fibres.iter().zip(new) {
+            let psi = part_response(family, call.gradient, call.base).energy;
             e.stored -= damage(call.own, psi_max) * psi;
             e.dissipated += lost(call.own, psi_max);
         }

@@ -2,7 +2,7 @@
 
 use crate::decorator::{Call, Decoration, Tangent, decorate, with_changed};
 use crate::numeric::plus;
-use constitutive::{Energy, Law, PointLaw, Response, Scalar};
+use constitutive::{Capability, Energy, Law, PointLaw, Response, Scalar};
 use model::{Action, Card, Effect, Options, Piece, Scales, Screening, Sided, Site};
 use params::{ParamSpec, Quantity};
 use std::sync::Arc;
@@ -55,6 +55,10 @@ impl Effect for FiberRecruitment {
         own_parameters()
     }
 
+    fn asks(&self, _options: &Options) -> Vec<Capability> {
+        vec![Capability::FibreOnset]
+    }
+
     fn shapes(&self, _scales: &Scales) -> Vec<Vec<f64>> {
         vec![vec![0.0]]
     }
@@ -64,15 +68,26 @@ impl Effect for FiberRecruitment {
     }
 
     fn act(&self, _options: &Options, _piece: &Piece) -> Action {
-        Action::Bulk(Box::new(|inner| Arc::new(decorate(inner, Recruitment))))
+        Action::Bulk(Box::new(|inner| {
+            let at = inner.offers().bulk.and_then(|b| b.fibre_onset);
+            Arc::new(decorate(inner, Recruitment { at }))
+        }))
     }
 }
 
 /// The outermost decorator of the tissue: everything inside sees the recruited fibre strain.
-struct Recruitment;
+struct Recruitment {
+    /// Index of the base law's fibre onset; a law without one is left as it is.
+    at: Option<usize>,
+}
 
-fn shifted<S: Scalar, R>(base: &[S], onset: S, f: impl FnOnce(&[S]) -> R) -> R {
-    with_changed(base, |p| p[hgo::FIBRE_ONSET] = plus(p[hgo::FIBRE_ONSET], onset), f)
+impl Recruitment {
+    fn shifted<S: Scalar, R>(&self, base: &[S], onset: S, f: impl FnOnce(&[S]) -> R) -> R {
+        match self.at {
+            Some(at) => with_changed(base, |p| p[at] = plus(p[at], onset), f),
+            None => f(base),
+        }
+    }
 }
 
 impl Decoration<9> for Recruitment {
@@ -86,11 +101,11 @@ impl Decoration<9> for Recruitment {
     where
         dyn PointLaw<9>: Law<S, 9>,
     {
-        shifted(call.base, call.own[0], |p| call.inner_at(call.gradient, p, inner_new))
+        self.shifted(call.base, call.own[0], |p| call.inner_at(call.gradient, p, inner_new))
     }
 
     fn energies(&self, call: &Call<'_, f64, 9>, inner_new: &[f64], _new: &[f64]) -> Energy {
-        shifted(call.base, call.own[0], |p| call.inner_energies(call.gradient, p, inner_new))
+        self.shifted(call.base, call.own[0], |p| call.inner_energies(call.gradient, p, inner_new))
     }
 
     fn hand_tangent(
@@ -99,6 +114,6 @@ impl Decoration<9> for Recruitment {
         inner_new: &mut [f64],
         _new: &mut [f64],
     ) -> Option<Tangent<9>> {
-        shifted(call.base, call.own[0], |p| call.inner_tangent(call.gradient, p, inner_new))
+        self.shifted(call.base, call.own[0], |p| call.inner_tangent(call.gradient, p, inner_new))
     }
 }

@@ -1,6 +1,5 @@
 //! Effects of the tissue: decorators around the bulk law, in the order of their rank.
 
-mod base;
 mod by_hand;
 mod fiber_damage;
 mod fiber_recruitment;
@@ -18,11 +17,33 @@ pub use stiffness_drift::StiffnessDrift;
 pub use viscoelastic::Viscoelastic;
 
 use crate::numeric::difference;
-use constitutive::{Response, Scalar};
+use constitutive::{FibreFamily, Law, Part, PointLaw, Response, Scalar, part_response};
+use model::Bulk;
 
-/// What is left of a bulk response without the volumetric term of the base law, MPa.
+/// The part of the volume of a law's stress; `None` where the law does not split.
+fn volumetric_of(inner: &Bulk) -> Option<Part> {
+    inner.offers().bulk.and_then(|b| b.volumetric)
+}
+
+/// The fibre families of a law; empty where it has none.
+fn fibres_of(inner: &Bulk) -> Vec<FibreFamily> {
+    inner.offers().bulk.map(|b| b.fibres).unwrap_or_default()
+}
+
+/// What is left of a bulk response without the volumetric part of the base law, MPa.
 ///
-/// The base law's parameters stand first in every composed list, so D is where `hgo` says.
-fn isochoric<S: Scalar>(gradient: &[S; 9], base: &[S], response: &Response<S, 9>) -> Response<S, 9> {
-    difference(response, &hgo::volumetric(gradient, base[hgo::D]))
+/// The base law's parameters stand first in every composed list, so the part finds its own in it.
+fn isochoric<S: Scalar>(
+    volumetric: Option<&Part>,
+    gradient: &[S; 9],
+    base: &[S],
+    response: &Response<S, 9>,
+) -> Response<S, 9>
+where
+    dyn PointLaw<9>: Law<S, 9>,
+{
+    match volumetric {
+        Some(part) => difference(response, &part_response(part, gradient, base)),
+        None => *response,
+    }
 }

@@ -1,10 +1,10 @@
 //! Softening on unloading and reloading below the largest energy reached.
 
 use super::by_hand::{add, add_square, isochoric_tangent};
-use super::isochoric;
+use super::{isochoric, volumetric_of};
 use crate::decorator::{Call, Decoration, Tangent, decorate};
 use crate::numeric::{add_scaled, erf_integral, plus};
-use constitutive::{Energy, Law, PointLaw, Response, Scalar};
+use constitutive::{Capability, Energy, Law, Part, PointLaw, Response, Scalar};
 use model::{Action, Card, Effect, Options, Piece, Scales, Screening, Sided, Site};
 use params::{ParamSpec, Quantity};
 use std::f64::consts::FRAC_2_SQRT_PI;
@@ -65,6 +65,10 @@ impl Effect for Mullins {
         own_parameters()
     }
 
+    fn asks(&self, _options: &Options) -> Vec<Capability> {
+        vec![Capability::VolumetricSplit]
+    }
+
     fn shapes(&self, scales: &Scales) -> Vec<Vec<f64>> {
         // Abrupt softening to one spread over the whole energy range, at a distance of its own or
         // in proportion to the energy reached.
@@ -78,7 +82,10 @@ impl Effect for Mullins {
     }
 
     fn act(&self, _options: &Options, _piece: &Piece) -> Action {
-        Action::Bulk(Box::new(|inner| Arc::new(decorate(inner, Softening))))
+        Action::Bulk(Box::new(|inner| {
+            let volumetric = volumetric_of(&inner);
+            Arc::new(decorate(inner, Softening { volumetric }))
+        }))
     }
 }
 
@@ -86,7 +93,9 @@ fn in_bounds(m: f64) -> f64 {
     m.clamp(1e-8, 1.0)
 }
 
-struct Softening;
+struct Softening {
+    volumetric: Option<Part>,
+}
 
 /// Width of the error function and η − 1.
 fn reduction<S: Scalar>(own: &[S], psi: S, psi_max: S) -> (S, S) {
@@ -117,7 +126,7 @@ impl Decoration<9> for Softening {
         dyn PointLaw<9>: Law<S, 9>,
     {
         let mut r = call.inner(inner_new);
-        let iso = isochoric(call.gradient, call.base, &r);
+        let iso = isochoric(self.volumetric.as_ref(), call.gradient, call.base, &r);
         // On the loading branch Ψmax is Ψ itself, so that η = 1 together with its derivatives.
         let psi_max = iso.energy.max_of(call.old[0]);
         new[0] = psi_max;
@@ -137,11 +146,12 @@ impl Decoration<9> for Softening {
         if !call.inner_old.is_empty() {
             return None;
         }
-        let psi = isochoric(call.gradient, call.base, &call.inner(inner_new)).energy;
+        let psi =
+            isochoric(self.volumetric.as_ref(), call.gradient, call.base, &call.inner(inner_new)).energy;
         let mut sum = call.inner_tangent(call.gradient, call.base, inner_new)?;
         new[0] = psi.max_of(call.old[0]);
         if psi < new[0] {
-            let iso = isochoric_tangent(call.gradient, call.base, &sum);
+            let iso = isochoric_tangent(self.volumetric.as_ref(), call.gradient, call.base, &sum);
             let (width, change) = reduction(call.own, psi, new[0]);
             let x = (new[0] - psi) / width;
             add(&mut sum, change, &iso);
@@ -154,7 +164,7 @@ impl Decoration<9> for Softening {
     fn energies(&self, call: &Call<'_, f64, 9>, inner_new: &[f64], new: &[f64]) -> Energy {
         let inner = call.inner_energies(call.gradient, call.base, inner_new);
         let response = call.inner_probe(call.gradient, inner_new);
-        let psi = isochoric(call.gradient, call.base, &response).energy;
+        let psi = isochoric(self.volumetric.as_ref(), call.gradient, call.base, &response).energy;
         Energy {
             stored: inner.stored + energy_change(call.own, psi, new[0]),
             dissipated: inner.dissipated - energy_change(call.own, new[0], new[0]),

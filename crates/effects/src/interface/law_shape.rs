@@ -3,7 +3,7 @@
 use super::add_secant;
 use crate::decorator::{Call, Decoration, decorate};
 use cohesive::{DELTA_MAX, GC, LAMBDA, SIGMA_C, effective_opening};
-use constitutive::{Energy, Law, PointLaw, Response, Scalar};
+use constitutive::{Capability, Energy, Law, PointLaw, Response, Scalar};
 use model::{Action, Card, Effect, Options, Piece, Scales, Screening, Sided, Site};
 use params::{ParamSpec, Quantity};
 use statrs::function::gamma::{digamma, gamma, gamma_lr};
@@ -48,6 +48,10 @@ impl Effect for LawShape {
 
     fn parameters(&self, _options: &Options) -> Vec<ParamSpec> {
         own_parameters()
+    }
+
+    fn asks(&self, _options: &Options) -> Vec<Capability> {
+        vec![Capability::ExponentialCurve]
     }
 
     fn shapes(&self, _scales: &Scales) -> Vec<Vec<f64>> {

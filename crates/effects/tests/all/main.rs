@@ -3,6 +3,7 @@
 mod battery;
 mod composing;
 mod decorators;
+mod other_laws;
 mod physics;
 mod rig_and_cards;
 mod tangents;

@@ -7,6 +7,7 @@ use analysis::{AnalysisError, doctor};
 use input::{Case, resolved_toml};
 use model::cost::{self, Cost, Need, Purpose, RUNS_OF_A_FIT};
 use model::{Discretisation, Model};
+use params::ParamSpec;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -47,12 +48,54 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let doctor = doctor(&case, &session.catalogue, !arguments.quick, &cancelled);
     let answer = json!({
         "schema": ::report::answer::SCHEMA, "specimen": case.name, "provenance": case.provenance,
-        "effects": model.effects(), "tests": tests, "free_parameters": free,
+        "laws": laws(&case, &model), "effects": model.effects(), "tests": tests, "free_parameters": free,
         "warnings": case.warnings, "resolved": resolved, "needs": needs(&cost), "doctor": doctor,
     });
     let told = doctor_lines(&doctor).iter().map(|l| format!("# {l}\n")).collect::<String>();
     let text = format!("{}{resolved}\n{told}", heading(&case, &model, &free, &cost));
     Outcome::new(&answer, text)
+}
+
+/// The laws with their parameters, as data; the tear's where something tears.
+fn laws(case: &Case, model: &Model) -> Value {
+    let of = |site: &str, name: &str, specs: &[ParamSpec]| {
+        let list = specs.iter().filter(|s| !s.internal);
+        let list: Vec<Value> =
+            list.map(|s| json!({ "name": s.name, "unit": s.quantity.unit(), "is": s.description })).collect();
+        json!({ "site": site, "law": name, "parameters": list })
+    };
+    let mut all = vec![of("bulk", &case.bulk.law, &case.bulk.specs)];
+    if tears(model) {
+        all.push(of("interface", &case.interface.law, &case.interface.specs));
+    }
+    json!(all)
+}
+
+fn tears(model: &Model) -> bool {
+    model.find("interface.area[1].gc").is_some()
+}
+
+/// Each law on a line: its name, and its parameters as they stand in equations.
+fn laws_in_words(case: &Case, model: &Model) -> String {
+    let line = |site: &str, name: &str, specs: &[ParamSpec]| {
+        let list = specs.iter().filter(|s| !s.internal).map(|s| format!("{} {}", s.name, unit(s)));
+        let list: Vec<String> = list.map(|l| l.trim().to_owned()).collect();
+        let text = format!("{site} law {name}: {}", list.join(", "));
+        format!("\n# {}", wrap(&text, 94, 0).replace('\n', "\n#   "))
+    };
+    let mut out = line("bulk", &case.bulk.law, &case.bulk.specs);
+    if tears(model) {
+        out.push_str(&line("interface", &case.interface.law, &case.interface.specs));
+    }
+    out
+}
+
+/// The internal unit in brackets; nothing for a pure number.
+fn unit(spec: &ParamSpec) -> String {
+    match spec.quantity.unit() {
+        "" => String::new(),
+        unit => format!("({unit})"),
+    }
 }
 
 /// Memory and time, as data.
@@ -89,6 +132,7 @@ fn needs_in_words(case: &Case, cost: &Cost) -> String {
 /// A comment above the resolved file, so that the output is a valid config.
 fn heading(case: &Case, model: &Model, free: &[&str], cost: &Cost) -> String {
     let mut out = format!("# {}: valid.", case.name);
+    out.push_str(&laws_in_words(case, model));
     for t in &model.tests {
         let points = t.test.record.as_ref().map_or("a protocol".into(), |r| format!("{} points", r.len()));
         out.push_str(&format!("\n# test {}: {points}, {} unknowns", t.test.name, t.unknowns()));

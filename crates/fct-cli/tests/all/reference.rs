@@ -32,6 +32,11 @@ fn the_catalogue_page_is_what_the_cards_say() -> Tested {
     held("catalogue.md", &effects::card_text::markdown(&effects::catalogue()))
 }
 
+#[test]
+fn the_page_of_laws_is_what_the_registry_says() -> Tested {
+    held("book/src/reference/laws.md", &laws::text::markdown(&laws::registry()))
+}
+
 /// The file is what it should be, or becomes so with UPDATE=1.
 fn held(name: &str, content: &str) -> Tested {
     let file = Path::new(DOCS).join(name);

@@ -7,7 +7,8 @@ mod table_specimen;
 
 pub(crate) use spelling::{Match, Speller, closest};
 
-use params::{Quantity, Suffix};
+use crate::registry::{LawSite, OptionSpec};
+use params::{ParamSpec, Quantity, Suffix};
 use serde::Serialize;
 use std::borrow::Cow;
 use std::sync::LazyLock;
@@ -240,10 +241,44 @@ pub(crate) fn list(words: impl Iterator<Item = String>, last: &str) -> String {
     }
 }
 
-/// Every section and key, in the order of the documentation. Effects' keys come from the catalogue.
+/// Every section and key, in the order of the documentation. Keys of laws and effects come from their registries.
 pub fn keys() -> &'static [Key] {
     static KEYS: LazyLock<Vec<Key>> = LazyLock::new(table::build);
     &KEYS
+}
+
+/// Section of a key that another law of the same site has: known, so that it can be refused by name.
+pub(crate) const FOREIGN: &str = "another law";
+
+/// The keys of a law: its parameters (a reciprocal before the parameter itself), then its settings.
+pub(crate) fn law_keys(site: LawSite, specs: &[ParamSpec], options: &[OptionSpec]) -> Vec<Key> {
+    let mut all = Vec::new();
+    for (index, spec) in specs.iter().enumerate().filter(|(_, s)| !s.internal) {
+        let list = site == LawSite::Interface && index < crate::read::PER_AREA;
+        let (lower, upper) = spec.admissible.unwrap_or((spec.lower, spec.upper));
+        let key = |name: Cow<'static, str>, quantity, lower, upper, start, about: Cow<'static, str>| Key {
+            section: site.section().into(),
+            name,
+            kind: Kind::Parameter {
+                quantity,
+                limits: Limits::within(lower, upper),
+                fixed: spec.fixed.then_some(true),
+                list,
+            },
+            default: match spec.fixed {
+                true => Fallback::Number(start),
+                false => Fallback::Absent("the parameter's own start".into()),
+            },
+            description: about,
+        };
+        if let Some(r) = spec.reciprocal {
+            let name = r.name.into();
+            all.push(key(name, r.quantity, r.of(upper), r.of(lower), r.of(spec.start), r.description.into()));
+        }
+        all.push(key(spec.name.clone(), spec.quantity, lower, upper, spec.start, spec.description.clone()));
+    }
+    all.extend(options.iter().map(|o| crate::read::option_key(site.section().into(), o)));
+    all
 }
 
 /// The keys of one section.

@@ -1,6 +1,6 @@
 //! From what the user wrote to the key that was meant.
 
-use super::{Key, list};
+use super::{FOREIGN, Key, list};
 use crate::text::short;
 use params::Quantity;
 
@@ -30,13 +30,25 @@ pub(crate) struct Speller<'a> {
     pub keys: &'a [Key],
     /// Every spelling, with the index of its key and its unit's factor.
     spellings: Vec<(String, usize, f64)>,
+    /// Keys that stand elsewhere, beyond those of the table.
+    others: &'a [Key],
 }
 
 impl<'a> Speller<'a> {
     /// For the keys of a section with this title.
     pub fn new(title: &'a str, keys: &'a [Key]) -> Self {
         let of = |(i, k): (usize, &Key)| k.spellings().into_iter().map(move |(s, factor)| (s, i, factor));
-        Self { title, keys, spellings: keys.iter().enumerate().flat_map(of).collect() }
+        Self { title, keys, spellings: keys.iter().enumerate().flat_map(of).collect(), others: &[] }
+    }
+
+    /// The same, which also knows keys that stand elsewhere.
+    pub fn beside(self, others: &'a [Key]) -> Self {
+        Self { others, ..self }
+    }
+
+    /// The section's own keys, without those of other laws.
+    fn own(&self) -> impl Iterator<Item = &'a Key> {
+        self.keys.iter().filter(|k| k.section != FOREIGN)
     }
 
     /// The key that `written` is, or why it is none.
@@ -55,7 +67,7 @@ impl<'a> Speller<'a> {
     /// Why a key that is not known is none.
     pub fn explain(&self, written: &str) -> Unknown {
         let (shown, title) = (short(written), self.title);
-        if let Some(key) = self.keys.iter().find(|k| k.name == written) {
+        if let Some(key) = self.own().find(|k| k.name == written) {
             let message = format!("key `{shown}` in {title} needs its unit: {}", key.spelling_list());
             return Unknown { message, help: None, meant: Some(key.name.to_string()) };
         }
@@ -66,11 +78,11 @@ impl<'a> Speller<'a> {
             let message = format!("unknown key `{shown}` in {title}; did you mean `{meant}`?");
             return Unknown { message, help: None, meant: Some(key.name.to_string()) };
         }
-        if let Some(place) = elsewhere(written) {
+        if let Some(place) = elsewhere(written, self.others) {
             let message = format!("unknown key `{shown}` in {title}; it belongs in {place}");
             return Unknown { message, help: None, meant: None };
         }
-        let preferred: Vec<String> = self.keys.iter().map(Key::spelling).collect();
+        let preferred: Vec<String> = self.own().map(Key::spelling).collect();
         let help = match preferred.is_empty() {
             true => format!("{title} has no keys"),
             false => format!("{title} takes {}", list(preferred.iter().map(|p| format!("`{p}`")), "and")),
@@ -80,18 +92,19 @@ impl<'a> Speller<'a> {
 
     /// The key and the spelling of it that is most like what was written.
     fn similar(&self, written: &str) -> Option<(&Key, String)> {
-        if let Some(meant) = closest(written, self.spellings.iter().map(|s| s.0.as_str())) {
+        let own = self.spellings.iter().filter(|s| self.keys[s.1].section != FOREIGN);
+        if let Some(meant) = closest(written, own.map(|s| s.0.as_str())) {
             return self.known(meant).map(|(i, _)| (&self.keys[i], meant.to_owned()));
         }
-        let name = closest(written, self.keys.iter().map(|k| k.name.as_ref()))?;
-        self.keys.iter().find(|k| k.name == name).map(|k| (k, k.spelling()))
+        let name = closest(written, self.own().map(|k| k.name.as_ref()))?;
+        self.own().find(|k| k.name == name).map(|k| (k, k.spelling()))
     }
 
     /// A key that exists, with a suffix that is not one of its units and no slip of the pen either.
     fn wrong_unit(&self, written: &str) -> Option<Unknown> {
         let suffix = |k: &Key| Some(written.strip_prefix(k.name.as_ref())?.strip_prefix('_')?.to_owned());
         let (key, unit) =
-            self.keys.iter().filter_map(|k| Some((k, suffix(k)?))).max_by_key(|(k, _)| k.name.len())?;
+            self.own().filter_map(|k| Some((k, suffix(k)?))).max_by_key(|(k, _)| k.name.len())?;
         let (shown, title) = (short(written), self.title);
         let meant = Some(key.name.to_string());
         if key.spellings().len() == 1 {
@@ -134,8 +147,8 @@ fn is_unit(text: &str) -> bool {
 }
 
 /// The section that has this key, in brackets.
-fn elsewhere(written: &str) -> Option<String> {
-    let key = super::keys().iter().find(|k| k.spellings().iter().any(|s| s.0 == written))?;
+fn elsewhere(written: &str, others: &[Key]) -> Option<String> {
+    let key = super::keys().iter().chain(others).find(|k| k.spellings().iter().any(|s| s.0 == written))?;
     Some(match key.section.as_ref() {
         "" => "the top level, before the first [section]".to_owned(),
         "tests" => "[[tests]]".to_owned(),

@@ -2,7 +2,6 @@
 
 use super::{Fallback, Key, Kind, Limits, table_specimen};
 use params::Quantity::{self, *};
-use std::f64::consts::FRAC_PI_2;
 
 /// Collects the keys, section by section.
 pub(super) struct Builder {
@@ -33,18 +32,6 @@ pub(super) fn number(quantity: Quantity, limits: Limits) -> Kind {
     Kind::Number { quantity, limits }
 }
 
-fn parameter(quantity: Quantity, limits: Limits) -> Kind {
-    Kind::Parameter { quantity, limits, fixed: None, list: false }
-}
-
-fn held(quantity: Quantity, limits: Limits) -> Kind {
-    Kind::Parameter { quantity, limits, fixed: Some(true), list: false }
-}
-
-fn per_area(quantity: Quantity, limits: Limits) -> Kind {
-    Kind::Parameter { quantity, limits, fixed: None, list: true }
-}
-
 pub(super) fn choice(words: &[&str]) -> Kind {
     Kind::Choice { words: words.iter().map(|&w| w.to_owned()).collect() }
 }
@@ -69,8 +56,6 @@ pub(super) const SHORTEST: f64 = 1e-4;
 pub(super) const FOREVER: f64 = 1e9;
 /// Times below this are one too; s.
 pub(super) const INSTANT: f64 = 1e-6;
-/// Stresses of no solid, MPa: a thousandth of a pascal.
-const FAINT: f64 = 1e-9;
 
 pub(super) fn build() -> Vec<Key> {
     let mut b = Builder { section: "", keys: Vec::new() };
@@ -99,52 +84,9 @@ fn model(b: &mut Builder) {
             word("auto"),
             "mirror planes used where the file allows it, or never",
         );
-    b.section("bulk")
-        .key(
-            "mu",
-            parameter(Stress, Limits::within(FAINT, 1e6)),
-            absent("the parameter's own start"),
-            "shear modulus μ of the matrix",
-        )
-        .key(
-            "k1",
-            parameter(Stress, Limits::within(0.0, 1e7)),
-            absent("the parameter's own start"),
-            "fibre stiffness k1",
-        )
-        .key(
-            "k2",
-            parameter(Dimensionless, Limits::within(0.0, 1e5)),
-            absent("the parameter's own start"),
-            "fibre stiffening k2",
-        )
-        .key(
-            "gamma",
-            parameter(Angle, Limits::within(0.0, FRAC_PI_2)),
-            absent("the parameter's own start"),
-            "fibre angle γ from the load axis",
-        )
-        .key(
-            "kappa",
-            parameter(Dimensionless, Limits::within(0.0, 1.0 / 3.0)),
-            absent("the parameter's own start"),
-            "dispersion κ: 0 aligned, 1/3 isotropic",
-        )
-        .key(
-            "bulk_modulus",
-            held(Stress, Limits::within(FAINT, 1e7)),
-            Fallback::Number(20.0),
-            "initial bulk modulus 2/D; fixed unless freed",
-        )
-        .key(
-            "d",
-            held(InverseStress, Limits::within(2e-7, 2.0 / FAINT)),
-            Fallback::Number(0.1),
-            "the paper's D, instead of bulk_modulus; fixed unless freed",
-        )
-        .key("tension_only", Kind::Bool, Fallback::Bool(true), "fibres carry tension only")
-        .key("fibre_invariants", choice(&["isochoric", "full"]), word("isochoric"), "fibres see C̄ or C");
+    b.section("bulk").key("law", Kind::Text, absent("the first of the registry, hgo"), "law of the tissue");
     b.section("interface")
+        .key("law", Kind::Text, absent("the first of the registry, exponential"), "law of the tear path")
         .key(
             "areas",
             integer(1, 1000),
@@ -156,30 +98,6 @@ fn model(b: &mut Builder) {
             choice(&["piecewise", "smooth"]),
             word("piecewise"),
             "constant in each area, or smooth through their centres",
-        )
-        .key(
-            "gc",
-            per_area(FractureEnergy, Limits::within(1e-9, 1e5)),
-            absent("the parameter's own start"),
-            "fracture energy Gc: one value, or a list with one per area",
-        )
-        .key(
-            "sigma_c",
-            per_area(Stress, Limits::within(FAINT, 1e6)),
-            absent("the parameter's own start"),
-            "strength σc: one value, or a list with one per area",
-        )
-        .key(
-            "lambda",
-            held(Dimensionless, Limits::within(0.0, 1e3)),
-            Fallback::Number(1.0),
-            "weight λ of sliding; fixed unless freed",
-        )
-        .key(
-            "penalty",
-            held(InterfaceStiffness, Limits::within(FAINT, 1e9)),
-            Fallback::Number(10.0),
-            "stiffness K against interpenetration; fixed unless freed",
         );
 }
 

@@ -28,8 +28,8 @@ pub(super) fn specimen(b: &mut Builder) {
             "the tests in the order in which they were done",
         )
         .key("mesh", Kind::Table, absent("defaults"), "the finite element mesh")
-        .key("bulk", Kind::Table, absent("defaults"), "the bulk material (Holzapfel–Gasser–Ogden)")
-        .key("interface", Kind::Table, absent("defaults"), "the cohesive tear path")
+        .key("bulk", Kind::Table, absent("defaults"), "the law of the tissue")
+        .key("interface", Kind::Table, absent("defaults"), "the law of the tear path")
         .key("effects", Kind::Table, absent("none"), "effects added to the base model, `[effects.NAME]`")
         .key("identify", Kind::Table, absent("defaults"), "the inverse analysis")
         .key("solver", Kind::Table, absent("defaults"), "the forward analysis")

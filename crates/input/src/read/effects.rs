@@ -4,17 +4,23 @@ use super::parameter::key_of;
 use super::scalar;
 use super::section::Section;
 use crate::case::{Location, Test};
-use crate::config::{EffectConfig, OptionValue};
+use crate::config::{BulkConfig, EffectConfig, InterfaceConfig, OptionValue};
 use crate::diagnostics::Report;
 use crate::keys::{Fallback, Key, Kind, Limits, closest};
 use crate::registry::{EffectRegistry, OptionKind, OptionSpec};
 use crate::text::short;
 use params::Quantity;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
 /// All effects of the file, in its order.
-pub(crate) fn effects(top: &Section<'_>, registry: &dyn EffectRegistry, tests: &[Test]) -> Vec<EffectConfig> {
+pub(crate) fn effects(
+    top: &Section<'_>,
+    registry: &dyn EffectRegistry,
+    tests: &[Test],
+    (bulk, interface): (&BulkConfig, &InterfaceConfig),
+) -> Vec<EffectConfig> {
     let context = top.context;
     let Some(entry) = top.entry("effects") else { return Vec::new() };
     let DeValue::Table(table) = entry.item.get_ref() else {
@@ -24,8 +30,11 @@ pub(crate) fn effects(top: &Section<'_>, registry: &dyn EffectRegistry, tests: &
     let mut out: Vec<EffectConfig> = Vec::new();
     for (key, item) in table {
         let name = key.get_ref().as_ref();
-        let Some(specs) = registry.parameters_with(name, &whole_numbers(registry, name, item.get_ref()))
-        else {
+        let settings = match item.get_ref() {
+            DeValue::Table(table) => whole_numbers(&registry.options(name), table),
+            _ => BTreeMap::new(),
+        };
+        let Some(specs) = registry.parameters_with(name, &settings) else {
             context.report(unknown(registry, name), key.span());
             continue;
         };
@@ -38,12 +47,12 @@ pub(crate) fn effects(top: &Section<'_>, registry: &dyn EffectRegistry, tests: &
         let location = Location { file: context.file.path.clone(), line, column };
         let options = registry.options(name);
         let mut keys: Vec<Key> = specs.iter().map(|s| key_of(format!("effects.{name}"), s)).collect();
-        keys.extend(options.iter().map(|o| option_key(name, o)));
+        keys.extend(options.iter().map(|o| option_key(format!("effects.{name}").into(), o)));
         let section = Section::open(context, title, key.span(), table, keys);
         exclusions(&section, registry, name, &out);
         let given = |spec: &params::ParamSpec| section.entry(&spec.name).is_some();
         let parameters = specs.iter().filter(|s| given(s));
-        out.push(EffectConfig {
+        let effect = EffectConfig {
             name: name.to_owned(),
             parameters: parameters.map(|s| (s.name.to_string(), section.parameter(&s.name))).collect(),
             specs: specs.clone(),
@@ -52,29 +61,27 @@ pub(crate) fn effects(top: &Section<'_>, registry: &dyn EffectRegistry, tests: &
                 .filter_map(|o| Some((o.name.clone(), option(&section, o, tests)?)))
                 .collect(),
             location,
-        });
+        };
+        if let Some(lacking) = registry.lacks(&effect, bulk, interface) {
+            let message = format!("effect `{name}` cannot act on this model: {lacking}");
+            let report = Report::error(message).key(format!("effects.{name}"));
+            context.report(report.help("take the effect out, or choose another law"), key.span());
+        }
+        out.push(effect);
     }
     out
 }
 
-/// The whole-number options of an effect as they stand in the file, unchecked: they may say which
-/// parameters there are. What is wrong with them is reported when they are read.
-fn whole_numbers(
-    registry: &dyn EffectRegistry,
-    name: &str,
-    item: &DeValue<'_>,
-) -> BTreeMap<String, OptionValue> {
-    let DeValue::Table(table) = item else { return BTreeMap::new() };
-    registry
-        .options(name)
-        .into_iter()
-        .filter_map(|o| {
-            let OptionKind::Integer { min, max } = o.kind else { return None };
-            let DeValue::Integer(i) = table.get(o.name.as_str())?.get_ref() else { return None };
-            let value = i64::from_str_radix(i.as_str(), i.radix()).ok()?;
-            Some((o.name, OptionValue::Integer(value.clamp(min, max))))
-        })
-        .collect()
+/// The whole-number options as they stand in the file, unchecked: they may say which parameters there are. What is
+/// wrong with them is reported when they are read.
+pub(crate) fn whole_numbers(options: &[OptionSpec], table: &DeTable<'_>) -> BTreeMap<String, OptionValue> {
+    let given = options.iter().filter_map(|o| {
+        let OptionKind::Integer { min, max } = o.kind else { return None };
+        let DeValue::Integer(i) = table.get(o.name.as_str())?.get_ref() else { return None };
+        let value = i64::from_str_radix(i.as_str(), i.radix()).ok()?;
+        Some((o.name.clone(), OptionValue::Integer(value.clamp(min, max))))
+    });
+    given.collect()
 }
 
 fn unknown(registry: &dyn EffectRegistry, name: &str) -> Report {
@@ -103,7 +110,7 @@ fn exclusions(section: &Section<'_>, registry: &dyn EffectRegistry, name: &str, 
 }
 
 /// The key of an option in the file.
-pub(crate) fn option_key(effect: &str, option: &OptionSpec) -> Key {
+pub(crate) fn option_key(section: Cow<'static, str>, option: &OptionSpec) -> Key {
     let kind = match &option.kind {
         OptionKind::Bool => Kind::Bool,
         OptionKind::Integer { min, max } => Kind::Integer { min: *min, max: *max },
@@ -121,7 +128,7 @@ pub(crate) fn option_key(effect: &str, option: &OptionSpec) -> Key {
         Some(OptionValue::Text(t)) => Fallback::Word(t.clone().into()),
     };
     Key {
-        section: format!("effects.{effect}").into(),
+        section,
         name: option.name.clone().into(),
         kind,
         default,
@@ -129,7 +136,7 @@ pub(crate) fn option_key(effect: &str, option: &OptionSpec) -> Key {
     }
 }
 
-fn option(s: &Section<'_>, option: &OptionSpec, tests: &[Test]) -> Option<OptionValue> {
+pub(crate) fn option(s: &Section<'_>, option: &OptionSpec, tests: &[Test]) -> Option<OptionValue> {
     let name = option.name.as_str();
     let Some(entry) = s.entry(name) else { return option.default.clone() };
     let (context, item) = (s.context, entry.item);

@@ -1,6 +1,7 @@
 //! From files to a [`Case`].
 
 mod effects;
+mod laws;
 mod model;
 mod noise;
 mod parameter;
@@ -12,12 +13,14 @@ mod specimen;
 mod tests;
 
 pub(crate) use effects::option_key;
+pub(crate) use laws::PER_AREA;
+pub use laws::keys_of_law;
 pub(crate) use parameter::key_of;
 
 use crate::case::{Case, Geometry, Test};
 use crate::diagnostics::{Diagnostic, Diagnostics, Report, Sink};
 use crate::keys;
-use crate::registry::EffectRegistry;
+use crate::registry::{EffectRegistry, LawSite};
 use crate::text::SourceFile;
 use section::{Context, Section};
 use std::path::{Path, PathBuf};
@@ -47,7 +50,8 @@ pub fn read_case(path: &Path, registry: &dyn EffectRegistry) -> Result<Case, Dia
 fn read(path: &Path, registry: &dyn EffectRegistry, sink: &Sink) -> Option<Case> {
     let file = load(path, "a specimen or config file (TOML)", sink)?;
     let document = parse(&file, sink)?;
-    let context = Context { file: &file, sink };
+    let laws = every_law_key(registry);
+    let context = Context { file: &file, sink, laws: &laws };
     let top = Section::open(context, "the file", 0..0, document.get_ref(), keys::of(""));
     let measured = match top.entry("specimen") {
         Some(_) => pointed(&top)?,
@@ -59,8 +63,10 @@ fn read(path: &Path, registry: &dyn EffectRegistry, sink: &Sink) -> Option<Case>
     };
     // A specimen that could not be read leaves no tests; the rest of the config is checked all the same.
     let Measured { name, provenance, geometry, tests } = given.unwrap_or_default();
+    let chosen = LawSite::ALL.map(|site| laws::chosen(&top, registry, site));
+    let (bulk, interface) = (laws::bulk(&top, &chosen[0], &tests), laws::interface(&top, &chosen[1], &tests));
     let identify = specimen::subsection(&top, "identify");
-    let priors = priors::priors(&identify, registry);
+    let priors = priors::priors(&identify, registry, &chosen);
     let is_config = top.entry("specimen").is_some() || keys_beyond_specimen(&top);
     let own_name = specimen::checked_name(&top);
     Some(Case {
@@ -74,9 +80,9 @@ fn read(path: &Path, registry: &dyn EffectRegistry, sink: &Sink) -> Option<Case>
         specimen_file: specimen_file.filter(|f| !is_config || f != path),
         config_file: is_config.then(|| path.to_owned()),
         mesh: model::mesh(&top, &geometry),
-        bulk: model::bulk(&top),
-        interface: model::interface(&top),
-        effects: effects::effects(&top, registry, &tests),
+        effects: effects::effects(&top, registry, &tests, (&bulk, &interface)),
+        bulk,
+        interface,
         identify: run::identify(&identify, priors),
         solver: run::solver(&top, &tests),
         output: run::output(&top),
@@ -85,6 +91,15 @@ fn read(path: &Path, registry: &dyn EffectRegistry, sink: &Sink) -> Option<Case>
         warnings: Vec::new(),
         inputs: Vec::new(),
     })
+}
+
+/// The keys of every law, each with the section it stands in.
+fn every_law_key(registry: &dyn EffectRegistry) -> Vec<keys::Key> {
+    let of = |site: LawSite| {
+        let names = registry.law_names(site);
+        names.into_iter().flat_map(move |law| keys_of_law(registry, site, &law))
+    };
+    LawSite::ALL.into_iter().flat_map(of).collect()
 }
 
 fn keys_beyond_specimen(top: &Section<'_>) -> bool {
@@ -143,7 +158,7 @@ fn pointed(top: &Section<'_>) -> Option<Option<(Measured, PathBuf)>> {
     };
     context.sink.was_read(&file);
     let Some(document) = parse(&file, context.sink) else { return Some(None) };
-    let inner = Context { file: &file, sink: context.sink };
+    let inner = Context { file: &file, ..context };
     let section = Section::open(inner, "the specimen file", 0..0, document.get_ref(), keys::of(""));
     for (key, entry) in section.all() {
         if !SPECIMEN_KEYS.contains(&key.name.as_ref()) {

@@ -1,10 +1,10 @@
-//! `[mesh]`, `[bulk]`, `[interface]`
+//! `[mesh]`
 
 use super::scalar;
 use super::section::Section;
 use super::specimen::subsection;
 use crate::case::Geometry;
-use crate::config::{BulkConfig, FibreInvariants, InterfaceConfig, MeshConfig, Profile, Symmetry, Value};
+use crate::config::{MeshConfig, Symmetry};
 use crate::diagnostics::Report;
 use crate::keys::plain;
 
@@ -69,49 +69,4 @@ fn divisions(s: &Section<'_>) -> Option<[usize; 3]> {
         s.context.report(Report::error(message).key("divisions"), entry.item.span());
     }
     Some(out)
-}
-
-/// `[bulk]`
-pub(crate) fn bulk(top: &Section<'_>) -> BulkConfig {
-    let s = subsection(top, "bulk");
-    let d = match (s.entry("bulk_modulus"), s.entry("d")) {
-        (Some(k), Some(d)) => {
-            let message =
-                format!("`{}` and `{}` mean the same (D = 2/K0); expected one of them", k.written, d.written);
-            s.fault("d", message);
-            Value::default()
-        }
-        (None, Some(_)) => s.parameter("d"),
-        _ => inverse(s.parameter("bulk_modulus")),
-    };
-    BulkConfig {
-        mu: s.parameter("mu"),
-        k1: s.parameter("k1"),
-        k2: s.parameter("k2"),
-        gamma: s.parameter("gamma"),
-        kappa: s.parameter("kappa"),
-        d,
-        tension_only: s.flag("tension_only"),
-        fibre_invariants: [FibreInvariants::Isochoric, FibreInvariants::Full][s.choice("fibre_invariants")],
-    }
-}
-
-/// D = 2/K0: the bounds change places, and a bound of 0 is none.
-fn inverse(k: Value) -> Value {
-    let two_over = |x: Option<f64>| x.map(|x| 2.0 / x).filter(|x| x.is_finite());
-    Value { value: two_over(k.value), min: two_over(k.max), max: two_over(k.min), fixed: k.fixed }
-}
-
-/// `[interface]`
-pub(crate) fn interface(top: &Section<'_>) -> InterfaceConfig {
-    let s = subsection(top, "interface");
-    let areas = s.checked_integer("areas");
-    InterfaceConfig {
-        areas: areas.unwrap_or(1),
-        profile: [Profile::Piecewise, Profile::Smooth][s.choice("profile")],
-        gc: s.parameter_list("gc", areas),
-        sigma_c: s.parameter_list("sigma_c", areas),
-        lambda: s.parameter("lambda"),
-        penalty: s.parameter("penalty"),
-    }
 }

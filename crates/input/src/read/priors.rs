@@ -1,26 +1,31 @@
 //! `identify.priors`: on, off, the literature's, or priors of one's own, keyed like the sections themselves.
 
 use super::effects::as_table;
+use super::laws::{Chosen, law_tables};
 use super::parameter::key_of;
 use super::scalar::{self, Item};
 use super::section::{Context, Entry, Section};
 use crate::config::{Prior, PriorsConfig};
 use crate::diagnostics::Report;
 use crate::keys::{self, Fallback, Key, Kind, Limits};
-use crate::registry::EffectRegistry;
+use crate::registry::{EffectRegistry, LawSite};
 use crate::text::short;
 use params::Quantity;
 use toml::de::{DeTable, DeValue};
 
 /// `identify.priors`
-pub(crate) fn priors(identify: &Section<'_>, registry: &dyn EffectRegistry) -> PriorsConfig {
+pub(crate) fn priors(
+    identify: &Section<'_>,
+    registry: &dyn EffectRegistry,
+    laws: &[Chosen; 2],
+) -> PriorsConfig {
     let mut out = PriorsConfig::default();
     let Some(entry) = identify.entry("priors") else { return out };
     match entry.item.get_ref() {
         DeValue::Boolean(b) => out.literature = Some(*b),
         DeValue::String(s) if s == "literature" => out.literature = Some(true),
         DeValue::String(s) if s == "off" => out.literature = Some(false),
-        DeValue::Table(table) => own(identify, entry, table, registry, &mut out),
+        DeValue::Table(table) => own(identify, entry, table, (registry, laws), &mut out),
         _ => scalar::wrong_type(
             identify.context,
             "priors",
@@ -35,7 +40,7 @@ fn own<'a>(
     identify: &Section<'a>,
     entry: &Entry<'a>,
     table: &'a DeTable<'a>,
-    registry: &dyn EffectRegistry,
+    (registry, laws): (&dyn EffectRegistry, &[Chosen; 2]),
     out: &mut PriorsConfig,
 ) {
     let group = |name: &'static str, kind| Key {
@@ -54,14 +59,12 @@ fn own<'a>(
     let context = identify.context;
     let s = Section::open(context, "[identify.priors]", entry.key_span.clone(), table, groups);
     out.literature = Some(s.flag("literature"));
-    for name in ["bulk", "interface"] {
-        let Some(e) = s.entry(name) else { continue };
-        let keys = keys::of(name).into_iter().filter(|k| matches!(k.kind, Kind::Parameter { .. })).collect();
-        if let Some(table) = as_table(&s, name, e.item) {
-            let part =
-                Section::open(context, format!("[identify.priors.{name}]"), e.key_span.clone(), table, keys);
-            collect(&part, name, out);
-        }
+    for (site, law) in LawSite::ALL.into_iter().zip(laws) {
+        let Some((span, table)) = law_tables(&s, site) else { continue };
+        let title = format!("[identify.priors.{}]", site.section());
+        let part = Section::open(context, title, span, table, law.prior_keys());
+        law.refuse_foreign(&part);
+        collect(&part, site.section(), law, out);
     }
     let effects = s.entry("effects").and_then(|e| as_table(&s, "effects", e.item));
     for (key, item) in effects.into_iter().flatten() {
@@ -76,21 +79,22 @@ fn own<'a>(
         let keys = specs.iter().map(|s| key_of(format!("effects.{name}"), s)).collect();
         if let Some(table) = as_table(&s, name, item) {
             let title = format!("[identify.priors.effects.{name}]");
-            collect(&Section::open(context, title, key.span(), table, keys), &format!("effects.{name}"), out);
+            let part = Section::open(context, title, key.span(), table, keys);
+            collect(&part, &format!("effects.{name}"), &laws[0], out);
         }
     }
 }
 
 /// Every prior of a section, under its parameter path.
-fn collect(s: &Section<'_>, prefix: &str, out: &mut PriorsConfig) {
-    for (key, entry) in s.all() {
+fn collect(s: &Section<'_>, prefix: &str, law: &Chosen, out: &mut PriorsConfig) {
+    for (key, entry) in s.all().filter(|(k, _)| k.section != keys::FOREIGN) {
         let Some(prior) = prior(s.context, entry.written, entry.item, entry.factor, key) else { continue };
-        let (path, prior) = match key.name.as_ref() {
-            "bulk_modulus" => (
-                "bulk.d".to_owned(),
-                Prior { mean: 2.0 / prior.mean, quantity: Quantity::InverseStress, ..prior },
+        let (path, prior) = match law.reciprocal(key) {
+            Some((spec, r)) => (
+                format!("{prefix}.{}", spec.name),
+                Prior { mean: r.of(prior.mean), quantity: spec.quantity, ..prior },
             ),
-            name => (format!("{prefix}.{name}"), prior),
+            None => (format!("{prefix}.{}", key.name), prior),
         };
         if out.given.insert(path.clone(), prior).is_some() {
             s.context.report(Report::error(format!("`{path}` has two priors")), entry.key_span.clone());

@@ -12,6 +12,8 @@ use toml::de::DeTable;
 pub(crate) struct Context<'a> {
     pub file: &'a SourceFile,
     pub sink: &'a Sink,
+    /// The keys of every law of the registry.
+    pub laws: &'a [Key],
 }
 
 impl Context<'_> {
@@ -66,7 +68,7 @@ impl<'a> Section<'a> {
         let mut section =
             Self { context, title: title.into(), span, keys, entries: Vec::new(), misspelt: Vec::new() };
         let (title, keys) = (section.title.clone(), section.keys.clone());
-        let speller = Speller::new(&title, &keys);
+        let speller = Speller::new(&title, &keys).beside(context.laws);
         for (key, item) in table {
             let (written, span) = (key.get_ref().as_ref(), key.span());
             if let Some((index, factor)) = speller.known(written) {

@@ -19,7 +19,16 @@ pub(crate) fn resolve(context: Context<'_>, given: &str) -> PathBuf {
 
 /// A table behind a key, opened with the keys of `section`.
 pub(crate) fn subsection<'a>(parent: &Section<'a>, name: &'static str) -> Section<'a> {
-    let (title, keys) = (format!("[{name}]"), keys::of(name));
+    subsection_of(parent, name, keys::of(name))
+}
+
+/// A table behind a key, opened with these keys.
+pub(crate) fn subsection_of<'a>(
+    parent: &Section<'a>,
+    name: &'static str,
+    keys: Vec<keys::Key>,
+) -> Section<'a> {
+    let title = format!("[{name}]");
     let Some(entry) = parent.entry(name) else { return Section::absent(parent.context, title, keys) };
     match entry.item.get_ref() {
         DeValue::Table(table) => Section::open(parent.context, title, entry.key_span.clone(), table, keys),

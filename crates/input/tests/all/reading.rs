@@ -4,8 +4,8 @@ use crate::common;
 
 use common::{Catalogue, STRIP};
 use input::{
-    Case, Control, Diagnostics, Ends, FibreInvariants, Grips, Leg, Mode, OptionValue, Symmetry, TestKind,
-    Value, keys, read_case, resolved_toml, resolved_toml_with,
+    Case, Control, Diagnostics, Ends, Grips, Leg, Mode, OptionValue, Symmetry, TestKind, Value, keys,
+    read_case, resolved_toml, resolved_toml_with,
 };
 use std::fs;
 use std::path::PathBuf;
@@ -44,11 +44,13 @@ fn a_specimen_alone_has_every_default() {
     assert_eq!(test.protocol.as_deref(), Some(&legs[..]));
     assert_eq!((case.mesh.bulk_size, case.mesh.path_size, case.mesh.layers), (0.4, 0.1, 2));
     assert_eq!((case.mesh.divisions, case.mesh.symmetry), (None, Symmetry::Auto));
-    assert_eq!(case.bulk.mu, Value::default());
-    assert_eq!(case.bulk.d, Value { fixed: Some(true), ..Value::new(0.1) });
-    assert!(case.bulk.tension_only && case.bulk.fibre_invariants == FibreInvariants::Isochoric);
+    assert_eq!(case.bulk.value("mu"), Value::default());
+    assert_eq!(case.bulk.value("d"), Value { fixed: Some(true), ..Value::new(0.1) });
+    assert_eq!((case.bulk.law.as_str(), case.interface.law.as_str()), ("hgo", "exponential"));
+    assert_eq!(case.bulk.options["tension_only"], OptionValue::Bool(true));
+    assert_eq!(case.bulk.options["fibre_invariants"], OptionValue::Text("isochoric".into()));
     assert_eq!((case.interface.areas, case.interface.gc.as_slice()), (1, &[Value::default()][..]));
-    assert_eq!(case.interface.penalty.value, Some(10.0));
+    assert_eq!(case.interface.value("penalty").value, Some(10.0));
     assert_eq!(
         (case.identify.mode, case.identify.tolerance, case.identify.max_iterations),
         (Mode::Staged, 1e-6, 30)
@@ -94,9 +96,9 @@ fn the_contracts_example_reads_in_internal_units() {
     assert_eq!(case.config_file, Some(folder.path().join("config.toml")));
     assert_eq!(case.specimen_file, Some(folder.path().join("strip.toml")));
     assert_eq!(case.mesh.divisions, Some([8, 20, 2]));
-    assert_eq!(case.bulk.mu, Value::new(5.1 * 1e-3));
-    assert_eq!(case.bulk.gamma.value, Some(38.53_f64 * (std::f64::consts::PI / 180.0)));
-    assert_eq!(case.bulk.d.value, Some(0.1));
+    assert_eq!(case.bulk.value("mu"), Value::new(5.1 * 1e-3));
+    assert_eq!(case.bulk.value("gamma").value, Some(38.53_f64 * (std::f64::consts::PI / 180.0)));
+    assert_eq!(case.bulk.value("d").value, Some(0.1));
     assert_eq!(case.interface.gc_of(0).value, Some(0.23));
     let effect = case.effect("viscoelastic").expect("the effect");
     assert_eq!(effect.parameters["tau"], Value::new(12.0));
@@ -109,8 +111,8 @@ fn the_contracts_example_reads_in_internal_units() {
 fn limits_are_allowed_where_they_mean_something() {
     let case =
         good(&format!("{STRIP}[bulk]\nkappa = 0.3333333333333333\ngamma_deg = 90\nk2 = 0\nk1_kPa = 0.0\n"));
-    assert_eq!(case.bulk.kappa.value, Some(1.0 / 3.0));
-    assert_eq!(case.bulk.gamma.value, Some(std::f64::consts::FRAC_PI_2));
+    assert_eq!(case.bulk.value("kappa").value, Some(1.0 / 3.0));
+    assert_eq!(case.bulk.value("gamma").value, Some(std::f64::consts::FRAC_PI_2));
     assert!(read(&format!("{STRIP}[bulk]\nkappa = 0.33334\n")).is_err());
     assert!(read(&STRIP.replace("cut_mm = 1.0", "cut_mm = 6.0")).is_err());
     assert_eq!(good(&STRIP.replace("cut_mm = 1.0", "cut_mm = 0")).geometry.cut, 0.0);
@@ -119,14 +121,14 @@ fn limits_are_allowed_where_they_mean_something() {
 #[test]
 fn bounds_of_the_bulk_modulus_change_places_in_d() {
     let freed = "bulk_modulus_MPa = { start = 20.0, min = 5.0, max = 50.0, fixed = false }";
-    let d = good(&format!("{STRIP}[bulk]\n{freed}\n")).bulk.d;
+    let d = good(&format!("{STRIP}[bulk]\n{freed}\n")).bulk.value("d");
     assert_eq!(
         d,
         Value { value: Some(0.1), min: Some(2.0 / 50.0), max: Some(2.0 / 5.0), fixed: Some(false) }
     );
-    let open = good(&format!("{STRIP}[bulk]\nbulk_modulus_MPa = {{ min = 0 }}\n")).bulk.d;
+    let open = good(&format!("{STRIP}[bulk]\nbulk_modulus_MPa = {{ min = 0 }}\n")).bulk.value("d");
     assert_eq!((open.min, open.max, open.value), (None, None, Some(0.1)));
-    assert_eq!(good(&format!("{STRIP}[bulk]\nd_per_MPa = 0.25\n")).bulk.d.value, Some(0.25));
+    assert_eq!(good(&format!("{STRIP}[bulk]\nd_per_MPa = 0.25\n")).bulk.value("d").value, Some(0.25));
 }
 
 #[test]

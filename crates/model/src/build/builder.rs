@@ -1,12 +1,13 @@
 //! Parameters, composed laws and effects of a case, and the model of each test made from them.
 
 use super::supports::{strip_of, supports};
-use super::{Active, BuildError, Discretisation, TestModel};
-use crate::effect::{Action, Bulk, Catalogue, Interface, Piece};
+use super::{Active, BaseLaws, BuildError, Discretisation, TestModel};
+use crate::catalogue::Catalogue;
+use crate::effect::{Action, Bulk, Interface, Piece};
 use fem::{Blend, Body, Link, Path, Problem};
-use input::{Case, FibreInvariants, Profile, Test, TestKind, Value};
+use input::{Case, Profile, Test, TestKind, Value};
 use mesh::Mesh;
-use params::{ParamSpec, Parameter};
+use params::{ParamPath, ParamSpec, Parameter};
 use std::sync::{Arc, Mutex};
 
 /// What is shared by the tests while they are built.
@@ -14,6 +15,7 @@ pub(super) struct Builder {
     pub(super) parameters: Vec<Parameter>,
     pub(super) active: Vec<Active>,
     piece: Piece,
+    pub(super) base: BaseLaws,
     bulk: Bulk,
     bulk_params: Vec<usize>,
     interface: Interface,
@@ -27,58 +29,49 @@ pub(super) struct Builder {
 impl Builder {
     pub(super) fn new(case: &Case, catalogue: &Catalogue, idle_neutral: bool) -> Result<Self, BuildError> {
         let mut parameters = Vec::new();
-        let law = hgo::Hgo {
-            tension_only: case.bulk.tension_only,
-            fibre_invariants: match case.bulk.fibre_invariants {
-                FibreInvariants::Isochoric => hgo::FibreInvariants::Isochoric,
-                FibreInvariants::Full => hgo::FibreInvariants::Full,
-            },
-        };
-        let b = &case.bulk;
-        let onset = Value::default();
-        let values = [&b.mu, &b.k1, &b.k2, &b.gamma, &b.kappa, &b.d, &onset];
-        for (spec, value) in constitutive::Describe::<9>::parameters(&law).into_iter().zip(values) {
-            parameters.push(parameter(format!("bulk.{}", spec.name), spec, value));
+        let bulk =
+            law_of("bulk", &case.bulk.law, catalogue.laws().bulk(&case.bulk.law))?.law(&case.bulk.options);
+        for spec in bulk.parameters() {
+            let value = case.bulk.value(&spec.name);
+            parameters.push(parameter(ParamPath::bulk(&spec.name).to_string(), spec, &value));
         }
         let bulk_params = (0..parameters.len()).collect();
+        let i = &case.interface;
+        let interface = law_of("interface", &i.law, catalogue.laws().interface(&i.law))?.law(&i.options);
         let has_path = case.tests.iter().any(|t| t.kind == TestKind::Tearing);
         let (mut gc, mut sigma_c, mut rest) = (0, 0, Vec::new());
         if has_path {
-            let specs = constitutive::Describe::<3>::parameters(&cohesive::Cohesive);
-            let i = &case.interface;
-            gc = parameters.len();
-            for a in 0..i.areas {
-                parameters.push(parameter(
-                    format!("interface.area[{}].gc", a + 1),
-                    specs[cohesive::GC].clone(),
-                    &i.gc_of(a),
-                ));
+            let specs = interface.parameters();
+            let mut per_area = |at: usize, value: &dyn Fn(usize) -> Value| {
+                let first = parameters.len();
+                for a in 0..i.areas {
+                    let path = ParamPath::area(a + 1, &specs[at].name).to_string();
+                    parameters.push(parameter(path, specs[at].clone(), &value(a)));
+                }
+                first
+            };
+            gc = per_area(cohesive::GC, &|a| i.gc_of(a));
+            sigma_c = per_area(cohesive::SIGMA_C, &|a| i.sigma_c_of(a));
+            for spec in specs.into_iter().skip(cohesive::LAMBDA) {
+                rest.push(parameters.len());
+                let value = i.value(&spec.name);
+                parameters.push(parameter(format!("interface.{}", spec.name), spec, &value));
             }
-            sigma_c = parameters.len();
-            for a in 0..i.areas {
-                let spec = specs[cohesive::SIGMA_C].clone();
-                parameters.push(parameter(
-                    format!("interface.area[{}].sigma_c", a + 1),
-                    spec,
-                    &i.sigma_c_of(a),
-                ));
-            }
-            rest = vec![parameters.len(), parameters.len() + 1];
-            parameters.push(parameter("interface.lambda".into(), specs[cohesive::LAMBDA].clone(), &i.lambda));
-            parameters.push(parameter(
-                "interface.penalty".into(),
-                specs[cohesive::PENALTY].clone(),
-                &i.penalty,
-            ));
         }
         let g = &case.geometry;
         let mut builder = Self {
             parameters,
             active: Vec::new(),
             piece: Piece { length: g.length, width: g.width, thickness: g.thickness, cut: g.cut },
-            bulk: Arc::new(law),
+            base: BaseLaws {
+                mirrors: bulk.offers().bulk.is_none_or(|b| b.mirrors),
+                bulk: bulk.clone(),
+                cohesion: interface.offers().cohesion,
+                path: [gc, sigma_c].into_iter().chain(rest.iter().copied()).filter(|_| has_path).collect(),
+            },
+            bulk,
             bulk_params,
-            interface: Arc::new(cohesive::Cohesive),
+            interface,
             interface_rest: rest,
             gc,
             sigma_c,
@@ -91,7 +84,7 @@ impl Builder {
     /// Whether half the height is enough: no effect that takes part breaks the mirror.
     pub(super) fn half_height(&self, how: Discretisation) -> bool {
         let whole = |a: &Active| !a.idle && a.effect.card().breaks_half_height;
-        how.neutral_halves || !self.active.iter().any(whole)
+        self.base.mirrors && (how.neutral_halves || !self.active.iter().any(whole))
     }
 
     /// Entries of the bulk's history at a point.
@@ -110,6 +103,13 @@ impl Builder {
         for config in &case.effects {
             let effect =
                 catalogue.get(&config.name).ok_or_else(|| BuildError::UnknownEffect(config.name.clone()))?;
+            if let Some(lacking) = catalogue.lacking(&**effect, &config.options, &case.bulk, &case.interface)
+            {
+                return Err(BuildError::Case(format!(
+                    "effect `{}` cannot act on this model: {lacking}",
+                    config.name
+                )));
+            }
             found.push((effect.clone(), config));
         }
         found.sort_by_key(|(e, _)| (e.card().site, e.card().rank, e.card().name));
@@ -229,6 +229,11 @@ impl Builder {
         }
         Path { law: self.interface.clone(), rule, params, position }
     }
+}
+
+/// The law of a site, or that there is none of this name.
+fn law_of<'a, L>(site: &str, name: &str, found: Option<&'a L>) -> Result<&'a L, BuildError> {
+    found.ok_or_else(|| BuildError::Case(format!("unknown law `{name}` in [{site}]")))
 }
 
 /// Neighbouring area centres and the weight of the second, for the smooth profile.

@@ -8,8 +8,10 @@ mod test_model;
 pub(crate) use place::at_key;
 pub use test_model::TestModel;
 
-use crate::effect::{Catalogue, Effect, Site};
+use crate::catalogue::Catalogue;
+use crate::effect::{Bulk, Effect, Site};
 use builder::Builder;
+use constitutive::{Cohesion, StartGrid};
 use input::Case;
 use params::Parameter;
 use std::sync::Arc;
@@ -57,6 +59,18 @@ pub(crate) struct Active {
     pub idle: bool,
 }
 
+/// The laws of a model without its effects.
+#[derive(Clone)]
+pub(crate) struct BaseLaws {
+    pub bulk: Bulk,
+    /// Scales of the interface law.
+    pub cohesion: Option<Arc<dyn Cohesion>>,
+    /// Whether the strip's mirror planes are planes of symmetry of the bulk.
+    pub mirrors: bool,
+    /// θ indices of the interface law's parameters in the first area; empty without a tear path.
+    pub path: Vec<usize>,
+}
+
 /// The model of a specimen: one parameter vector, one model per test.
 pub struct Model {
     /// The case it was built from.
@@ -66,6 +80,7 @@ pub struct Model {
     /// Models of the tests, in the order of the case.
     pub tests: Vec<TestModel>,
     pub(crate) active: Vec<Active>,
+    pub(crate) base: BaseLaws,
 }
 
 /// How a model is discretised, beyond what the case says.
@@ -135,7 +150,8 @@ impl Model {
             .enumerate()
             .map(|(index, test)| builder.test(&case, test, index, half_height, how))
             .collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { parameters: builder.parameters, active: builder.active, tests, case })
+        let Builder { parameters, active, base, .. } = builder;
+        Ok(Self { parameters, active, base, tests, case })
     }
 
     /// Present parameter values θ.
@@ -166,7 +182,36 @@ impl Model {
     /// Whether a parameter is only carried for the law's sake and shown to nobody.
     pub fn is_hidden(&self, index: usize) -> bool {
         let p = &self.parameters[index];
-        p.path == "bulk.fibre_onset" && !p.free
+        p.spec.internal && !p.free
+    }
+
+    /// The bulk law without its effects; its parameters are the first of the parameter vector.
+    pub fn bulk_law(&self) -> &Bulk {
+        &self.base.bulk
+    }
+
+    /// Values from which a search for the bulk may start, as its law offers them; indices are those of θ.
+    pub fn starts(&self) -> Option<StartGrid> {
+        self.base.bulk.offers().bulk.and_then(|b| b.starts)
+    }
+
+    /// Opening δc at which an area (from 0) reaches its strength, mm, and its derivatives by (Gc, σc); `None` without
+    /// a tear path.
+    pub fn critical_opening(&self, area: usize, theta: &[f64]) -> Option<(f64, [f64; 2])> {
+        let params = self.path_parameters(area, theta)?;
+        self.base.cohesion.as_ref().map(|c| c.delta_c(&params))
+    }
+
+    /// Opening at which the softening zone ends, over δc; `None` without a tear path.
+    pub(crate) fn softening_end(&self, theta: &[f64]) -> Option<f64> {
+        let params = self.path_parameters(0, theta)?;
+        self.base.cohesion.as_ref().map(|c| c.softening_end(&params))
+    }
+
+    /// The interface law's parameters in an area (from 0), without those of effects.
+    fn path_parameters(&self, area: usize, theta: &[f64]) -> Option<Vec<f64>> {
+        let at = |(k, i): (usize, &usize)| theta[if k < cohesive::LAMBDA { i + area } else { *i }];
+        (!self.base.path.is_empty()).then(|| self.base.path.iter().enumerate().map(at).collect())
     }
 
     /// The site a parameter acts on.

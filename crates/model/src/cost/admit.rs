@@ -2,7 +2,7 @@
 
 use super::{Cost, Purpose, available_bytes};
 use crate::build::{BuildError, Discretisation, Model, at_key};
-use crate::effect::Catalogue;
+use crate::catalogue::Catalogue;
 use input::{Case, locate};
 use std::sync::Arc;
 

@@ -11,7 +11,7 @@ pub use admit::{MOST_BYTES, MOST_SECONDS, bytes, duration};
 pub use machine::available_bytes;
 
 use crate::build::{BuildError, Discretisation, Outlook, outlook};
-use crate::effect::Catalogue;
+use crate::catalogue::Catalogue;
 use crate::plan::{Corner, corners_of_protocol, corners_of_record};
 use crate::predict::RunOptions;
 use input::{Case, Test, TestKind};

@@ -209,6 +209,7 @@ impl Model {
         let mut c = self.tests[t].camera(self.areas());
         c.critical = (0..c.critical.len()).map(|a| self.threshold(a, theta).0).collect();
         c.thresholds.clone_from(&c.critical);
+        c.spent = self.softening_end(theta).unwrap_or(f64::INFINITY);
         if let Some(x) = self.tests[t].test.tear_front_opening {
             c.thresholds.fill(x);
         }
@@ -217,10 +218,6 @@ impl Model {
 
     /// δc of an area and its derivatives by (Gc, σc).
     fn threshold(&self, area: usize, theta: &[f64]) -> (f64, [f64; 2]) {
-        let at = |what: &str| self.find(&format!("interface.area[{}].{what}", area + 1));
-        let (Some(g), Some(s)) = (at("gc"), at("sigma_c")) else { return (f64::INFINITY, [0.0; 2]) };
-        let e = std::f64::consts::E;
-        let (gc, sc) = (theta[g], theta[s]);
-        (gc / (e * sc), [1.0 / (e * sc), -gc / (e * sc * sc)])
+        self.critical_opening(area, theta).unwrap_or((f64::INFINITY, [0.0; 2]))
     }
 }

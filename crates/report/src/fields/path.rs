@@ -8,6 +8,7 @@ pub fn grid(problem: &Problem, theta: &[f64], u: &[f64], history: &[f64]) -> Opt
     let path = problem.path.as_ref()?;
     let params = problem.local(theta).path;
     let entries = problem.path_history();
+    let cohesion = path.law.offers().cohesion;
     let body = &problem.body;
     let mut grid = Grid { shape: Cells::Quads, ..Grid::default() };
     let (mut displacement, mut opening, mut damage, mut strength, mut x) =
@@ -27,8 +28,7 @@ pub fn grid(problem: &Problem, theta: &[f64], u: &[f64], history: &[f64]) -> Opt
         // The base law's memory comes first whatever decorates it: δ_max.
         let d = |q: usize| {
             let largest = history.get((e * interface::POINTS + q) * entries + cohesive::DELTA_MAX).copied();
-            let p = &params[e][q];
-            cohesive::damage(largest.unwrap_or(0.0), p[cohesive::GC], p[cohesive::SIGMA_C])
+            cohesion.as_ref().map_or(0.0, |c| c.damage(largest.unwrap_or(0.0), &params[e][q]))
         };
         let local = |q: usize| {
             let o = at_points[q].0;

@@ -98,28 +98,51 @@ fn over_all(rows: &[BatchRow]) -> String {
     format!("<p><b>{}</b></p>\n{left_out}", escape(&mean))
 }
 
+/// One column per parameter of the bulk that some specimen identifies, in the unit of its key.
 fn bulk(answers: &[IdentifyAnswer]) -> String {
-    let paths = ["bulk.mu", "bulk.k1", "bulk.k2", "bulk.gamma", "bulk.kappa"];
-    let value =
-        |a: &IdentifyAnswer, path: &str| a.parameters.iter().find(|p| p.path == path).map(|p| p.value);
-    let factor = |path: &str| match path {
-        "bulk.mu" | "bulk.k1" => 1e3,
-        "bulk.gamma" => 180.0 / std::f64::consts::PI,
-        _ => 1.0,
+    let mut columns: Vec<(&str, Column)> = Vec::new();
+    for p in answers.iter().flat_map(|a| &a.parameters).filter(|p| p.path.starts_with("bulk.")) {
+        if !columns.iter().any(|c| c.0 == p.path) {
+            columns.push((&p.path, Column::of(p)));
+        }
+    }
+    let value = |a: &IdentifyAnswer, path: &str, by: f64| {
+        a.parameters.iter().find(|p| p.path == path).map(|p| p.value * by)
     };
     let rows = answers.iter().map(|a| {
-        let cells = paths
-            .map(|p| Cell::number(value(a, p).map_or("fixed".into(), |v| significant(v * factor(p), 4))));
+        let cells = columns.iter().map(|(path, c)| {
+            Cell::number(value(a, path, c.factor).map_or("fixed".into(), |v| significant(v, 4)))
+        });
         std::iter::once(Cell::left(&a.specimen)).chain(cells).collect()
     });
-    let mean = std::iter::once(Cell::left("mean ± SD")).chain(paths.map(|p| {
-        let all: Vec<f64> = answers.iter().filter_map(|a| value(a, p)).map(|v| v * factor(p)).collect();
+    let mean = std::iter::once(Cell::left("mean ± SD")).chain(columns.iter().map(|(path, c)| {
+        let all: Vec<f64> = answers.iter().filter_map(|a| value(a, path, c.factor)).collect();
         Cell::number(
             mean_sd(&all)
                 .map_or("–".into(), |[m, s]| format!("{} ± {}", significant(m, 4), significant(s, 2))),
         )
     }));
-    table(&["specimen", "μ (kPa)", "k1 (kPa)", "k2", "γ (°)", "κ"], rows.chain([mean.collect()]))
+    let head: Vec<&str> =
+        std::iter::once("specimen").chain(columns.iter().map(|(_, c)| c.title.as_str())).collect();
+    table(&head, rows.chain([mean.collect()]))
+}
+
+/// How a parameter is shown: kPa for stresses, degrees for angles.
+struct Column {
+    title: String,
+    factor: f64,
+}
+
+impl Column {
+    fn of(p: &ParameterAnswer) -> Self {
+        let name = super::tables::short(&p.path);
+        match p.unit.as_str() {
+            "MPa" => Self { title: format!("{name} (kPa)"), factor: 1e3 },
+            "rad" => Self { title: format!("{name} (°)"), factor: 180.0 / std::f64::consts::PI },
+            "" => Self { title: name, factor: 1.0 },
+            unit => Self { title: format!("{name} ({unit})"), factor: 1.0 },
+        }
+    }
 }
 
 fn failures(failed: &[(String, String)]) -> String {

@@ -112,7 +112,7 @@ pub fn correlations(a: &IdentifyAnswer) -> String {
 }
 
 /// `interface.area[3].sigma_c` → `σc 3`, `bulk.k1` → `k1`.
-fn short(path: &str) -> String {
+pub fn short(path: &str) -> String {
     if let Some((area, what)) = path.strip_prefix("interface.area[").and_then(|r| r.split_once("].")) {
         return format!("{} {area}", if what == "gc" { "Gc" } else { "σc" });
     }

@@ -6,17 +6,20 @@ use super::super::symmetric::{Frame, Sym, dot, pushed};
 use super::times::Times;
 use crate::decorator::{Call, Decoration, Tangent};
 use crate::numeric::{add_scaled, decay, mean_decay, mean_rise};
-use constitutive::{Energy, Law, PointLaw, Response, Scalar};
-use hgo::{FAMILIES, Hgo};
+use constitutive::{Energy, FibreFamily, Law, Part, PointLaw, Response, Scalar, part_response, part_tangent};
 use params::ParamSpec;
 
 /// History: H of each branch, then the driving stress, the isochoric C and the work on the branches.
 pub(super) struct Maxwell {
     pub times: Times,
     /// The law of the fibres, where they alone relax.
-    pub fibres: Option<Hgo>,
+    pub fibres: Option<Vec<FibreFamily>>,
     /// Whether the deviator of the inner stress depends on the volume: what relaxes is then asked for at J = 1.
     pub volume_matters: bool,
+    /// The part of the volume.
+    pub volumetric: Option<Part>,
+    /// Initial shear modulus of the matrix, MPa.
+    pub matrix_modulus: fn(&[f64]) -> f64,
 }
 
 #[inline(always)]
@@ -40,16 +43,17 @@ impl Maxwell {
     fn spring_energy(&self, call: &Call<'_, f64, 9>, inner_new: &[f64], new: &[f64]) -> f64 {
         let s = read(new, self.stress_block());
         let psi = match &self.fibres {
-            Some(law) => (0..FAMILIES)
-                .map(|k| hgo::fibre_response(law, call.gradient, call.base, k).energy)
+            Some(families) => families
+                .iter()
+                .map(|f| part_response(&f.isochoric, call.gradient, call.base).energy)
                 .sum::<f64>(),
             None => {
                 let f = if self.volume_matters { unimodular(call.gradient) } else { *call.gradient };
-                isochoric(&f, call.base, &call.inner_probe(&f, inner_new)).energy
+                isochoric(self.volumetric.as_ref(), &f, call.base, &call.inner_probe(&f, inner_new)).energy
             }
         };
         let secant = if psi > 0.0 { dot(&s, &s) / (2.0 * psi) } else { 0.0 };
-        let stiffness = secant.max(2.0 * call.base[hgo::MU]);
+        let stiffness = secant.max(2.0 * (self.matrix_modulus)(call.base));
         let strength = |b: usize| self.times.of(call.own, b).0;
         (0..self.times.count())
             .filter(|&b| strength(b) > 0.0)
@@ -110,11 +114,17 @@ impl Maxwell {
     /// fictitious stress; what comes of the volume alone has no deviator), or the fibres' fictitious stress as
     /// it is.
     #[inline(always)]
-    fn driving_stress<S: Scalar>(&self, call: &Call<'_, S, 9>, frame: &Frame<S>, inner: &[S; 9]) -> Sym<S> {
-        if let Some(law) = &self.fibres {
-            let [a, b]: [Sym<S>; FAMILIES] =
-                std::array::from_fn(|k| hgo::fibre_fictitious_stress(law, call.gradient, call.base, k));
-            return std::array::from_fn(|i| a[i] + b[i]);
+    fn driving_stress<S: Scalar>(&self, call: &Call<'_, S, 9>, frame: &Frame<S>, inner: &[S; 9]) -> Sym<S>
+    where
+        dyn PointLaw<9>: Law<S, 9>,
+    {
+        if let Some(families) = &self.fibres {
+            let of = |f: &FibreFamily| {
+                let s = part_response(&f.fictitious, call.gradient, call.base).force;
+                [s[0], s[4], s[8], s[1], s[5], s[2]]
+            };
+            let sum = |a: Sym<S>, b: Sym<S>| std::array::from_fn(|i| a[i] + b[i]);
+            return families.iter().map(of).reduce(sum).unwrap_or([S::zero(); 6]);
         }
         let per_m = frame.m.recip();
         frame.deviator(&frame.second_piola(inner)).map(|x| x * per_m)
@@ -128,7 +138,10 @@ impl Maxwell {
         frame: &Frame<S>,
         inner: &[S; 9],
         new: &mut [S],
-    ) -> Sym<S> {
+    ) -> Sym<S>
+    where
+        dyn PointLaw<9>: Law<S, 9>,
+    {
         let s = self.driving_stress(call, frame, inner);
         let c = frame.c.map(|x| x * frame.m);
         let (s_old, c_old) = (read(call.old, self.stress_block()), read(call.old, self.shape_block()));
@@ -223,9 +236,9 @@ impl Decoration<9> for Maxwell {
         let mut sum = inner;
         add_constant(&mut sum, call.gradient, &g, frame.m, &frame.c, &constant);
         match &self.fibres {
-            Some(law) => {
-                for k in 0..FAMILIES {
-                    add(&mut sum, share, &hgo::fibre_tangent(law, call.gradient, call.base, k));
+            Some(families) => {
+                for f in families {
+                    add(&mut sum, share, &part_tangent(&f.isochoric, call.gradient, call.base));
                 }
             }
             None => add_deviatoric(&mut sum, share, call.gradient, &g, &followed),

@@ -3,10 +3,10 @@
 mod maxwell;
 mod times;
 
-use super::base::base_law;
+use super::{fibres_of, volumetric_of};
 use crate::decorator::decorate;
 use crate::settings::{choice, integer, spread, word};
-use hgo::{FibreInvariants, Hgo};
+use constitutive::Capability;
 use input::{OptionKind, OptionSpec, OptionValue};
 use maxwell::Maxwell;
 use model::{Action, Card, Effect, Options, Piece, Scales, Screening, Sided, Site};
@@ -92,6 +92,11 @@ impl Effect for Viscoelastic {
         ]
     }
 
+    fn asks(&self, options: &Options) -> Vec<Capability> {
+        let fibres = word(options, "relaxing", ALL) == FIBRES;
+        vec![if fibres { Capability::Fibres } else { Capability::VolumetricSplit }]
+    }
+
     /// The fibres alone, whose stress no matrix tempers; or two branches a decade apart around the
     /// one that was found: tissue hardly relaxes with one time; or a spectrum of two decades around it.
     fn richer(&self, options: &Options, values: &[f64]) -> Vec<(Options, Vec<f64>)> {
@@ -129,11 +134,15 @@ impl Effect for Viscoelastic {
         let times = times(options);
         let fibres_alone = word(options, "relaxing", ALL) == FIBRES;
         Action::Bulk(Box::new(move |inner| {
-            let base = base_law(&inner);
-            let isochoric = Hgo { fibre_invariants: FibreInvariants::Isochoric, ..base };
-            let fibres = fibres_alone.then_some(isochoric);
-            let volume_matters = !fibres_alone && base.fibre_invariants == FibreInvariants::Full;
-            Arc::new(decorate(inner, Maxwell { times, fibres, volume_matters }))
+            let parts = inner.offers().bulk;
+            let maxwell = Maxwell {
+                times,
+                fibres: fibres_alone.then(|| fibres_of(&inner)),
+                volume_matters: !fibres_alone && parts.as_ref().is_some_and(|p| !p.rest_is_isochoric),
+                matrix_modulus: parts.map_or(|_| 0.0, |p| p.matrix_modulus),
+                volumetric: volumetric_of(&inner),
+            };
+            Arc::new(decorate(inner, maxwell))
         }))
     }
 }

@@ -1,11 +1,31 @@
 //! A small catalogue for the tests of this crate.
 #![allow(dead_code)]
 
-use input::{EffectRegistry, OptionKind, OptionSpec, OptionValue};
+use input::{EffectRegistry, LawRegistry, LawSite, OptionKind, OptionSpec, OptionValue};
 use params::{ParamSpec, Quantity};
+use std::collections::BTreeMap;
 
 /// Four effects: one with options, two that exclude each other, one for a named test.
 pub struct Catalogue;
+
+impl LawRegistry for Catalogue {
+    fn law_names(&self, site: LawSite) -> Vec<String> {
+        laws::registry().law_names(site)
+    }
+
+    fn law_options(&self, site: LawSite, law: &str) -> Vec<OptionSpec> {
+        laws::registry().law_options(site, law)
+    }
+
+    fn law_parameters(
+        &self,
+        site: LawSite,
+        law: &str,
+        options: &BTreeMap<String, OptionValue>,
+    ) -> Option<Vec<ParamSpec>> {
+        laws::registry().law_parameters(site, law, options)
+    }
+}
 
 impl EffectRegistry for Catalogue {
     fn names(&self) -> Vec<&str> {
