@@ -50,7 +50,7 @@ mod workbook;
 pub use bytes::{LARGEST_TEXT, LARGEST_WORKBOOK};
 pub use choices::{Choices, FaultKind, Flip, POINTS, Restart};
 pub use columns::Understood;
-pub use error::{Choice, Fault, ImportError, Question};
+pub use error::{Choice, Fault, ImportError, Question, quoted, visible};
 pub use faults::Found;
 pub use geometry::Geometry;
 pub use header::Said;

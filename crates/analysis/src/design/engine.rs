@@ -56,6 +56,7 @@ pub(super) struct Linear {
     pub measured: Measured,
     frees: Vec<Free>,
     theta: Vec<f64>,
+    all: Vec<f64>,
 }
 
 /// The case as it is looked at here: few areas, a coarse mesh.
@@ -123,16 +124,26 @@ pub(super) fn linear(
     let screened = base.screen()?;
     let mut list = frees(model, theta, &free);
     crate::priors::add(&mut list, &model.case, true);
-    let theta = free.iter().map(|&i| theta[i]).collect();
     let (prediction, candidates) = (screened.prediction, screened.candidates);
-    Ok(Linear { prediction, candidates, measured, frees: list, theta })
+    let all = theta.to_vec();
+    let theta = free.iter().map(|&i| theta[i]).collect();
+    Ok(Linear { prediction, candidates, measured, frees: list, theta, all })
 }
 
 impl Linear {
     /// Free base parameters as a fit sees them, with their values.
-    #[cfg(test)]
     pub fn base(&self) -> (&[Free], &[f64]) {
         (&self.frees, &self.theta)
+    }
+
+    /// Values of all parameters.
+    pub fn all(&self) -> &[f64] {
+        &self.all
+    }
+
+    /// Whitened with the misfit to what is measured.
+    pub fn misfit(&self) -> Whitened {
+        Whitened::new(&self.measured.data, &self.frees, &self.theta, &self.prediction, Noise::Record)
     }
 
     /// Whitened at the prediction itself: nothing is missed yet. `camera`: camera channels count.
