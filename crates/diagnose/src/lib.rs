@@ -26,7 +26,7 @@ pub mod words;
 pub use candidate::{Amplitude, Candidate, Shape, Side};
 pub use chance::{Chance, chances};
 pub use discover::discover;
-pub use foresee::{Foreseen, foresee};
+pub use foresee::{Foreseen, Shown, foresee};
 pub use ladder::{Hints, LEANS, Ladder, Rung, pays, weights};
 pub use noise::{NoiseError, NoiseEstimate};
 pub use pairs::{Pair, separation};

@@ -66,6 +66,13 @@ impl Terminal {
     }
 }
 
+/// A test that failed leaves no program that waits.
+impl Drop for Terminal {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+    }
+}
+
 /// Two forces, no unit of the time.
 fn open_file() -> Result<tempfile::TempDir, Box<dyn Error>> {
     let folder = tempfile::tempdir()?;

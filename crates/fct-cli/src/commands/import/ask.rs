@@ -20,10 +20,12 @@ pub fn one(path: &Path, question: &Question, choices: &mut Choices, session: &Se
         let _ = writeln!(err, "  {}   {}", visible(&o.value), o.meaning);
     }
     loop {
-        let _ = write!(err, "--{} (empty: stop) ", question.flag);
-        let _ = err.flush();
         let mut line = String::new();
-        let read = session.waiting(|| std::io::stdin().lock().read_line(&mut line));
+        let read = session.waiting(|| {
+            let _ = write!(err, "--{} (empty: stop) ", question.flag);
+            let _ = err.flush();
+            std::io::stdin().lock().read_line(&mut line)
+        });
         let value = value(&line, &question.flag);
         if read.is_err() || value.is_empty() {
             // The next message begins on a line of its own.
