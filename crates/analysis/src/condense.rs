@@ -20,6 +20,12 @@ const RAMP: f64 = 8.0;
 /// Points of a hold, and of all holds together, about.
 const HOLD: usize = 32;
 const HOLDS: usize = 320;
+/// Points that are wider than that by these factors, where their noise asks for it.
+const WIDER: [usize; 2] = [2, 4];
+/// Correlation of neighbours from which it is asked whether it ends sooner than an autoregressive one's.
+const CORRELATED: f64 = 0.3;
+/// How much less correlated wider points must be than an autoregressive noise's would be: about what an estimate errs.
+const SOONER: f64 = 0.1;
 /// A force that changes from row to row by more than this share of its peak and this many times the usual is a jump.
 const JUMP_SHARE: f64 = 0.02;
 const JUMP_RATIO: f64 = 12.0;
@@ -65,9 +71,37 @@ struct Bin {
     hold_since: Option<f64>,
 }
 
+/// Points of about the usual number, or wider ones: where rows share their errors over a stretch and no farther (a filter,
+/// an interpolation), close points look like an autoregressive noise whose memory is much longer, and would say less
+/// than they do. Points as wide as that stretch have errors of their own.
 fn condense(record: &Record) -> Record {
     let corners = corner_rows(record);
-    let bins = bins(record, &corners);
+    let mut points = condensed_to(record, &corners, 1);
+    for wider in WIDER {
+        let Some(close) = correlation(&points, &corners).filter(|c| *c > CORRELATED) else { break };
+        let candidate = condensed_to(record, &corners, wider);
+        let Some(apart) = correlation(&candidate, &corners) else { break };
+        // Means of two neighbours of an autoregressive noise.
+        if apart > 0.5 * close * (1.0 + close) - SOONER {
+            break;
+        }
+        points = candidate;
+    }
+    points
+}
+
+/// Correlation of the force's noise at neighbouring points.
+fn correlation(points: &Record, corners: &[(usize, Corner)]) -> Option<f64> {
+    let readings = &points.averaged.as_ref()?.channels[0].readings;
+    let (spread, position) = (spread(readings), position(readings));
+    let breaks: Vec<usize> = corners.iter().map(|c| points.time.partition_point(|t| *t < c.1.time)).collect();
+    let weights = Weights { spread: &spread, position: &position };
+    estimate_averages(&points.time, &points.force, weights, &breaks).ok().map(|n| n.ar1)
+}
+
+/// Points `wider` times as wide as usual.
+fn condensed_to(record: &Record, corners: &[(usize, Corner)], wider: usize) -> Record {
+    let bins = bins(record, corners, wider);
     let mean = |rows: &Range<usize>, v: &[f64]| v[rows.clone()].iter().sum::<f64>() / rows.len() as f64;
     let time = |b: &Bin| match b.hold_since {
         // A force that relaxes is even in the logarithm of time.
@@ -97,13 +131,13 @@ fn condense(record: &Record) -> Record {
     out.grip_displacement = camera(&record.grip_displacement);
     out.tear_front = camera(&record.tear_front);
     out.width_change = camera(&record.width_change);
-    let channels = Channel::ALL.map(|channel| averages(record, &out, channel, &bins, &corners));
+    let channels = Channel::ALL.map(|channel| averages(record, &out, channel, &bins, corners));
     out.averaged = Some(Averaged { rows: record.len(), channels });
     out
 }
 
 /// Points of a record, in order, every row in one of them.
-fn bins(record: &Record, corners: &[(usize, Corner)]) -> Vec<Bin> {
+fn bins(record: &Record, corners: &[(usize, Corner)], wider: usize) -> Vec<Bin> {
     let travel = |w: &[(usize, Corner)]| (w[1].1.displacement - w[0].1.displacement).abs();
     let way: f64 = corners.windows(2).map(travel).sum();
     let holds = corners.windows(2).filter(|w| travel(w) == 0.0).count().max(1);
@@ -120,7 +154,7 @@ fn bins(record: &Record, corners: &[(usize, Corner)]) -> Vec<Bin> {
         let points = if hold {
             (HOLDS / holds).clamp(8, HOLD)
         } else {
-            (POINTS * travel(w) / way).max(RAMP).ceil() as usize
+            (POINTS / wider as f64 * travel(w) / way).max(RAMP).ceil() as usize
         };
         for part in parts(inside.clone(), &breaks) {
             let share = (points as f64 * part.len() as f64 / inside.len() as f64).ceil() as usize;

@@ -154,7 +154,10 @@ impl<'a> Work<'a> {
         let fit_options = FitOptions {
             objective,
             // The coarse mesh only brings the search near: its own error is larger than the rest.
-            insignificant: INSIGNIFICANT,
+            insignificant: std::env::var("FCT_INS")
+                .ok()
+                .and_then(|s| s.parse().ok())
+                .unwrap_or(INSIGNIFICANT),
             tolerance: if coarse { COARSE_TOLERANCE } else { self.case.identify.tolerance },
             max_trials: if coarse { COARSE_TRIALS } else { FitOptions::default().max_trials },
             max_iterations: match (coarse, stage) {
