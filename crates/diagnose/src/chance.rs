@@ -154,7 +154,7 @@ mod tests {
             let truth = candidates[0].shapes[3].columns.column(0) * size;
             let found = chances(&white(&truth), &[false; 2], &candidates, 2000, &policy).unwrap();
             let mut random = Random::new(5);
-            let (mut called, runs) = ([0; 3], 300);
+            let (mut called, runs) = ([0usize; 3], 300);
             for _ in 0..runs {
                 let record = white(&(&truth + random.normals(N)));
                 let screen = crate::screen(&record, &[false; 2], &candidates, N, &policy).unwrap();
@@ -163,7 +163,7 @@ mod tests {
                 }
             }
             for (n, chance) in called.iter().zip(&found) {
-                let share = f64::from(*n) / f64::from(runs);
+                let share = *n as f64 / f64::from(runs);
                 assert!((share - chance.called).abs() < 0.08, "{chance:?} at {size}: {share}");
             }
         }

@@ -94,8 +94,10 @@ pub(super) fn model_of(case: &Case, catalogue: &Catalogue) -> Result<(Model, Dis
 /// Steps and tolerance of a look.
 pub(super) fn options(case: &Case) -> RunOptions {
     let mut o = crate::identify::run_options(case);
-    (o.tearing_steps, o.uniaxial_steps) = (24, 12);
-    o.march.newton.tolerance = o.march.newton.tolerance.max(1e-6);
+    let k = std::env::var("FCT_STEPS").ok().and_then(|s| s.parse().ok()).unwrap_or(1);
+    (o.tearing_steps, o.uniaxial_steps) = (24 * k, 12 * k);
+    o.follow_holds = std::env::var("FCT_NOFOLLOW").is_err();
+    o.march.newton.tolerance = o.march.newton.tolerance.max(1e-7);
     o.march.budget = crate::identify::TRIAL_BUDGET;
     o
 }

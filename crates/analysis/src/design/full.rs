@@ -167,8 +167,23 @@ impl<'a> Full<'a> {
         let how_far = inverse::FitOptions { objective: inverse::Objective::Record, ..Default::default() };
         let mut watch = |_: &inverse::Iterate| std::ops::ControlFlow::Continue(());
         let fit = inverse::fit(&problem, &measured.data, frees, &how_far, &mut watch)?;
+        if std::env::var("FCT_DBG").is_ok() {
+            println!("    fit f {:.3} {:?} it {} runs {}", fit.f, fit.stop, fit.iterations, fit.forward_runs);
+        }
         let theta = problem.full(&fit.theta);
         linear(base, self.how, &theta, measured, self.table.catalogue, self.table.cancelled)
+    }
+
+    #[cfg(test)]
+    pub fn chance_of(&self, linear: &Linear, effect: &str) -> String {
+        let (frees, theta) = linear.base();
+        let at_bound: Vec<bool> = frees.iter().zip(theta).map(|(f, t)| f.at_bound(*t)).collect();
+        let found = chances(&linear.misfit(), &at_bound, &linear.candidates, DRAWS, &self.table.policy).expect("x");
+        let c = found.iter().find(|c: &&Chance| c.effect == effect).expect("y");
+        let mut best: Vec<&Chance> = found.iter().collect();
+        best.sort_by(|a, b| b.fall.total_cmp(&a.fall));
+        let b: Vec<String> = best.iter().take(4).map(|c| format!("{} {:.1}", c.effect, c.fall)).collect();
+        format!("called {:.2} fall {:.2} chi2 {:.2} best {}", c.called, c.fall, linear.misfit().r.norm_squared(), b.join(", "))
     }
 
     fn chance(&self, linear: &Linear, effect: &str) -> Result<f64, AnalysisError> {
