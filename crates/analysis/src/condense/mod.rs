@@ -24,10 +24,10 @@ const RAMP: f64 = 8.0;
 /// Points of a hold, and of all holds together, about.
 const HOLD: usize = 32;
 const HOLDS: usize = 320;
-/// Points that are wider than that by these factors, where their noise asks for it.
-const WIDER: [usize; 2] = [2, 4];
+/// Points are wider by this where their noise asks for it; still wider ones would round a tear's peak.
+const WIDER: usize = 2;
 /// Correlation of neighbours from which it is asked whether it ends sooner than an autoregressive one's.
-const CORRELATED: f64 = 0.3;
+const CORRELATED: f64 = 0.5;
 /// How much less correlated wider points must be than an autoregressive noise's would be: about what an estimate errs.
 const SOONER: f64 = 0.1;
 /// A force that changes from row to row by more than this share of its peak and this many times the usual is a jump.
@@ -80,18 +80,15 @@ struct Bin {
 /// than they do. Points as wide as that stretch have errors of their own.
 fn condense(record: &Record) -> Record {
     let corners = corner_rows(record);
-    let mut points = condensed_to(record, &corners, 1);
-    for wider in WIDER {
-        let Some(close) = correlation(&points, &corners).filter(|c| *c > CORRELATED) else { break };
-        let candidate = condensed_to(record, &corners, wider);
-        let Some(apart) = correlation(&candidate, &corners) else { break };
-        // Means of two neighbours of an autoregressive noise.
-        if apart > 0.5 * close * (1.0 + close) - SOONER {
-            break;
-        }
-        points = candidate;
+    let points = condensed_to(record, &corners, 1);
+    let Some(close) = correlation(&points, &corners).filter(|c| *c > CORRELATED) else { return points };
+    let wide = condensed_to(record, &corners, WIDER);
+    // Means of two neighbours of an autoregressive noise would be correlated as much as this.
+    let expected = 0.5 * close * (1.0 + close);
+    match correlation(&wide, &corners) {
+        Some(apart) if apart < expected - SOONER => wide,
+        _ => points,
     }
-    points
 }
 
 /// Correlation of the force's noise at neighbouring points.

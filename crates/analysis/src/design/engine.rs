@@ -20,6 +20,8 @@ use std::sync::Arc;
 const AREAS: usize = 3;
 /// How much coarser than the given mesh; less where a strip is too small for that.
 const COARSEN: [f64; 3] = [4.0, 2.0, 1.0];
+/// Steps of a tearing and of a uniaxial test.
+const STEPS: (usize, usize) = (96, 48);
 /// Shares of the guessed strength that are tried until a run comes to the end of its records.
 const STRENGTHS: [f64; 4] = [1.0, 0.6, 1.6, 0.3];
 /// A parameter is known when its standard error is below this share of it.
@@ -91,13 +93,14 @@ pub(super) fn model_of(case: &Case, catalogue: &Catalogue) -> Result<(Model, Dis
     Err(last.map_or_else(|| AnalysisError::Case("no mesh".into()), AnalysisError::from))
 }
 
-/// Steps and tolerance of a look.
+/// Steps and tolerance of a look. Steps are short: what lies between two of them is interpolated, and an effect that the
+/// base nearly imitates is no larger than the error of long ones. They are the same for all models, with memory
+/// or without, or a fit would chase their difference.
 pub(super) fn options(case: &Case) -> RunOptions {
     let mut o = crate::identify::run_options(case);
-    let k = std::env::var("FCT_STEPS").ok().and_then(|s| s.parse().ok()).unwrap_or(1);
-    (o.tearing_steps, o.uniaxial_steps) = (24 * k, 12 * k);
-    o.follow_holds = std::env::var("FCT_NOFOLLOW").is_err();
-    o.march.newton.tolerance = o.march.newton.tolerance.max(1e-7);
+    (o.tearing_steps, o.uniaxial_steps) = STEPS;
+    o.follow_holds = true;
+    o.march.newton.tolerance = o.march.newton.tolerance.max(crate::identify::SEARCH_TOLERANCE);
     o.march.budget = crate::identify::TRIAL_BUDGET;
     o
 }

@@ -13,22 +13,25 @@ use crate::problem::FeProblem;
 use diagnose::tails::normal_isf;
 use diagnose::{Chance, Foreseen, chances};
 use input::Leg;
-use inverse::Problem as _;
+use inverse::{Fit, FitOptions, Iterate, Objective, Problem as _};
 use model::{Discretisation, Model};
 use nalgebra::DVector;
 use serde::Serialize;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// Records that are drawn for a chance.
 const DRAWS: usize = 1000;
-/// Sizes that are tried beside the plausible one.
-const TRIALS: usize = 6;
+/// Sizes that are tried, the plausible one among them.
+const TRIALS: usize = 8;
 /// Standard deviations, by the linear look, of an effect that is worth asking about.
 const FAINT: f64 = 1.0;
 /// Powers whose sizes are looked for.
 pub(super) const POWERS: [f64; 3] = [0.5, 0.8, 0.9];
 /// Between two tried sizes whose powers are closer than this (normal quantiles), a power lies on a straight line.
 const CLOSE: f64 = 1.0;
+/// A tried size whose power is as near as that to one that is looked for has it: about what the draws tell.
+const HIT: f64 = 0.1;
 /// Largest factor from one trial to the next.
 const STRIDE: f64 = 2.5;
 /// Shares of the plausible size beyond which no size is looked for.
@@ -51,6 +54,9 @@ pub struct Confirmed {
     pub seen_at: [Option<f64>; 3],
     /// Sizes that were tried and their powers, the least first.
     pub tried: Vec<(f64, f64)>,
+    /// Sizes and the base's values fitted there.
+    #[serde(skip)]
+    pub(super) fitted: Vec<(f64, Vec<f64>)>,
     /// Why sizes are missing.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub not: Option<String>,
@@ -59,10 +65,17 @@ pub struct Confirmed {
 /// The size at which a power stands, the least where several do.
 pub(super) fn seen_at(tried: &[(f64, f64)], power: f64) -> Option<f64> {
     let z = quantile(power);
-    let pair = tried.windows(2).find(|w| quantile(w[0].1) < z && z <= quantile(w[1].1))?;
-    let [(a, p), (b, q)] = [pair[0], pair[1]];
-    let (p, q) = (quantile(p), quantile(q));
-    Some(a + (b - a) * (z - p) / (q - p))
+    let hit = tried.iter().position(|t| (quantile(t.1) - z).abs() < HIT);
+    let pair = tried.windows(2).position(|w| quantile(w[0].1) < z && z <= quantile(w[1].1));
+    match (hit, pair) {
+        (Some(hit), pair) if pair.is_none_or(|pair| hit <= pair) => Some(tried[hit].0),
+        (_, Some(pair)) => {
+            let [(a, p), (b, q)] = [tried[pair], tried[pair + 1]];
+            let (p, q) = (quantile(p), quantile(q));
+            Some(a + (b - a) * (z - p) / (q - p))
+        }
+        _ => None,
+    }
 }
 
 /// Normal quantile of a share of the draws, not beyond what they can tell.
@@ -94,17 +107,13 @@ impl<'a> Full<'a> {
 
     /// The power at the plausible size, and the sizes of some powers.
     pub fn confirmed(&self, f: &Foreseen) -> Result<Confirmed, AnalysisError> {
-        let mut search = Search { full: self, f, tried: Vec::new() };
-        let (mut power, mut not) = (0.0, None);
-        match search.try_at(1.0) {
-            Ok(p) => power = p,
-            Err(e) if (self.table.cancelled)() => return Err(e),
-            Err(e) => not = Some(e.to_string()),
-        }
+        let mut search = Search { full: self, f, tried: Vec::new(), fitted: Vec::new() };
+        let mut not = None;
+        let mut share = Some(1.0);
         for _ in 0..TRIALS {
-            let Some(share) = POWERS.iter().find_map(|p| search.next(*p)) else { break };
-            match search.try_at(share) {
-                Ok(_) => {}
+            let Some(next) = share else { break };
+            match search.try_at(next) {
+                Ok(()) => share = POWERS.iter().find_map(|p| search.next(*p)),
                 Err(e) if (self.table.cancelled)() => return Err(e),
                 Err(e) => {
                     not = Some(e.to_string());
@@ -112,6 +121,7 @@ impl<'a> Full<'a> {
                 }
             }
         }
+        let power = search.tried.iter().find(|t| t.0 == 1.0).map_or(0.0, |t| t.1);
         let tried: Vec<(f64, f64)> = search.tried.iter().map(|(s, p)| (s * f.plausible, *p)).collect();
         Ok(Confirmed {
             effect: f.effect.clone(),
@@ -121,6 +131,7 @@ impl<'a> Full<'a> {
             power,
             seen_at: POWERS.map(|p| seen_at(&tried, p)),
             tried,
+            fitted: search.fitted,
             not,
         })
     }
@@ -153,37 +164,37 @@ impl<'a> Full<'a> {
         Ok(problem.predict(&[], false)?.values)
     }
 
-    /// The base fitted to a record, from where it stands without the effect, and what a screen computes there.
-    pub fn refitted(&self, truth: &DVector<f64>) -> Result<Linear, AnalysisError> {
+    /// The base fitted to a record, the best from several starts, and what a screen computes there.
+    pub fn refitted(&self, truth: &DVector<f64>, starts: &[Vec<f64>]) -> Result<Linear, AnalysisError> {
         let mut measured = self.linear.measured.clone();
         for block in &mut measured.data.blocks {
             block.measured = truth.rows(block.range.start, block.range.len()).iter().copied().collect();
         }
-        let frees = self.linear.base().0;
         let (base, all) = (&self.base, self.linear.all().to_vec());
         let slots = &self.linear.measured.slots;
         let options = options(&base.case);
         let problem = FeProblem::new(base, all, base.free(), slots, options, self.table.cancelled);
-        let how_far = inverse::FitOptions { objective: inverse::Objective::Record, ..Default::default() };
-        let mut watch = |_: &inverse::Iterate| std::ops::ControlFlow::Continue(());
-        let fit = inverse::fit(&problem, &measured.data, frees, &how_far, &mut watch)?;
-        if std::env::var("FCT_DBG").is_ok() {
-            println!("    fit f {:.3} {:?} it {} runs {}", fit.f, fit.stop, fit.iterations, fit.forward_runs);
+        let how_far = FitOptions { objective: Objective::Record, ..Default::default() };
+        let mut best: Option<Fit> = None;
+        for start in starts {
+            let mut frees = self.linear.base().0.to_vec();
+            frees.iter_mut().zip(start).for_each(|(f, s)| f.start = *s);
+            let mut watch = |_: &Iterate| ControlFlow::Continue(());
+            let fit = inverse::fit(&problem, &measured.data, &frees, &how_far, &mut watch)?;
+            if best.as_ref().is_none_or(|b| fit.f < b.f) {
+                best = Some(fit);
+            }
         }
-        let theta = problem.full(&fit.theta);
+        let theta = best.map_or_else(|| self.linear.all().to_vec(), |b| problem.full(&b.theta));
         linear(base, self.how, &theta, measured, self.table.catalogue, self.table.cancelled)
     }
 
-    #[cfg(test)]
-    pub fn chance_of(&self, linear: &Linear, effect: &str) -> String {
-        let (frees, theta) = linear.base();
-        let at_bound: Vec<bool> = frees.iter().zip(theta).map(|(f, t)| f.at_bound(*t)).collect();
-        let found = chances(&linear.misfit(), &at_bound, &linear.candidates, DRAWS, &self.table.policy).expect("x");
-        let c = found.iter().find(|c: &&Chance| c.effect == effect).expect("y");
-        let mut best: Vec<&Chance> = found.iter().collect();
-        best.sort_by(|a, b| b.fall.total_cmp(&a.fall));
-        let b: Vec<String> = best.iter().take(4).map(|c| format!("{} {:.1}", c.effect, c.fall)).collect();
-        format!("called {:.2} fall {:.2} chi2 {:.2} best {}", c.called, c.fall, linear.misfit().r.norm_squared(), b.join(", "))
+    /// Starts of a fit to a record with the effect at a size: the base without it, and the base fitted to the nearest size
+    /// that was tried. Where the base goes far to imitate an effect, it has more than one optimum.
+    pub fn starts(&self, tried: &[(f64, Vec<f64>)], size: f64) -> Vec<Vec<f64>> {
+        let distance = |t: &&(f64, Vec<f64>)| (t.0 - size).abs();
+        let near = tried.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        [self.linear.base().1.to_vec()].into_iter().chain(near.map(|n| n.1.clone())).collect()
     }
 
     fn chance(&self, linear: &Linear, effect: &str) -> Result<f64, AnalysisError> {
@@ -201,32 +212,42 @@ struct Search<'a> {
     f: &'a Foreseen,
     /// Shares and powers, the smallest share first.
     tried: Vec<(f64, f64)>,
+    fitted: Vec<(f64, Vec<f64>)>,
 }
 
 impl Search<'_> {
-    fn try_at(&mut self, share: f64) -> Result<f64, AnalysisError> {
-        let truth = self.full.truth(self.f, share * self.f.plausible)?;
-        let linear = self.full.refitted(&truth)?;
+    fn try_at(&mut self, share: f64) -> Result<(), AnalysisError> {
+        let size = share * self.f.plausible;
+        let truth = self.full.truth(self.f, size)?;
+        let linear = self.full.refitted(&truth, &self.full.starts(&self.fitted, size))?;
         let power = self.full.chance(&linear, &self.f.effect)?;
+        self.fitted.push((size, linear.base().1.to_vec()));
         let at = self.tried.partition_point(|t| t.0 < share);
         self.tried.insert(at, (share, power));
-        Ok(power)
+        Ok(())
     }
 
     /// The share to try next for a power; `None` where what was tried brackets it closely, or nothing does.
     fn next(&self, power: f64) -> Option<f64> {
         let z = quantile(power);
         let all: Vec<(f64, f64)> = self.tried.iter().map(|t| (t.0, quantile(t.1))).collect();
+        if all.iter().any(|t| (t.1 - z).abs() < HIT) {
+            return None;
+        }
+        let told = |q: f64| quantile(0.0) < q && q < quantile(1.0);
         if let Some(pair) = all.windows(2).find(|w| w[0].1 < z && z <= w[1].1) {
             let [(a, p), (b, q)] = [pair[0], pair[1]];
-            let told = quantile(0.0) < p && q < quantile(1.0);
-            let inside = if told { a + (b - a) * (z - p) / (q - p) } else { 0.5 * (a + b) };
+            let inside = if told(p) && told(q) { a + (b - a) * (z - p) / (q - p) } else { 0.5 * (a + b) };
             return (q - p > CLOSE).then_some(inside);
         }
         let (first, last) = (all.first()?, all.last()?);
         let from = if first.1 >= z { first } else { last };
-        // The linear law says how much the quantile grows with the size.
-        let share = (from.0 + (z - from.1) / self.f.snr).clamp(from.0 / STRIDE, from.0 * STRIDE);
+        // The linear law says how much the quantile grows with the size, and where it is where the draws do not tell.
+        let least = self.f.least? / self.f.plausible;
+        let way = if told(from.1) { (z - from.1) / self.f.snr } else { least - from.0 };
+        let onward =
+            if way * (z - from.1) > 0.0 { from.0 + way } else { from.0 * STRIDE.powf((z - from.1).signum()) };
+        let share = if told(from.1) { onward.clamp(from.0 / STRIDE, from.0 * STRIDE) } else { onward };
         SHARES.contains(&share).then_some(share)
     }
 }

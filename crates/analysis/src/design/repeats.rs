@@ -60,7 +60,7 @@ fn powers(effects: &[&str], promised: &[f64], repeats: usize) -> Vec<(String, f6
                 continue;
             };
             let truth = full.truth(f, size).expect("a run");
-            let fitted = full.refitted(&truth).expect("a fit");
+            let fitted = full.refitted(&truth, &full.starts(&confirmed.fitted, size)).expect("a fit");
             out.push((name.to_owned(), power, share(&table, &fitted, &truth, name, repeats)));
         }
     }
@@ -114,35 +114,5 @@ fn noisy_repeats_of_many_effects() {
     }
     for (name, promised, found) in &found {
         assert!((found - promised).abs() < 0.1, "{name}: promised {promised}, found {found}");
-    }
-}
-
-#[test]
-#[ignore = "grid"]
-fn grid() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let file = folder.path().join("c.toml");
-    std::fs::write(&file, STRIP).expect("written");
-    let catalogue = effects::catalogue();
-    let case = Arc::new(input::read_case(&file, &catalogue).expect("a good file"));
-    let go = || false;
-    let table = Table { case, catalogue: &catalogue, cancelled: &go, policy: Policy::default() };
-    let (pulls, peaks) = table.pulls().expect("a run");
-    let legs = PROGRAMS[3].within(&pulls, 3600.0).expect("within an hour");
-    println!("peaks {peaks:?}");
-    let full = Full::new(&table, &legs, &table.noise(&peaks, None)).expect("a look");
-    let foreseen = full.foreseen().expect("a foresight");
-    for (name, sizes) in [("slack", vec![0.004, 0.02, 0.031]), ("viscoelastic", vec![0.0005, 0.001, 0.002]), ("compliance", vec![0.06, 0.125, 0.2, 0.22])] {
-        let f = foreseen.iter().find(|f| f.effect == name).expect("in the catalogue");
-        println!("{name} {f:?}");
-        for size in sizes {
-            let c = std::time::Instant::now();
-            let truth = full.truth(f, size).expect("a run");
-            let t0 = c.elapsed().as_secs_f64();
-            let fitted = full.refitted(&truth).expect("a fit");
-            let t1 = c.elapsed().as_secs_f64();
-            let (frees, theta) = fitted.base();
-            println!("{name} {size}: {} {t0:.1} {:.1} s; at bound {:?}", full.chance_of(&fitted, name), t1 - t0, frees.iter().zip(theta).filter(|(f, t)| f.at_bound(**t)).map(|f| f.0.path.clone()).collect::<Vec<_>>());
-        }
     }
 }

@@ -20,7 +20,7 @@ const INSIGNIFICANT: f64 = 0.25;
 
 /// Newton tolerance of the search, if the file's is not coarser: it moves χ² by far less than a step
 /// does. The last run, which the answer is made from, takes the file's.
-pub(super) const SEARCH_TOLERANCE: f64 = 1e-7;
+pub(crate) const SEARCH_TOLERANCE: f64 = 1e-7;
 
 /// Newton iterations a trial run may take: about five times what a smooth tear needs.
 pub(crate) const TRIAL_BUDGET: usize = 2500;
@@ -154,10 +154,7 @@ impl<'a> Work<'a> {
         let fit_options = FitOptions {
             objective,
             // The coarse mesh only brings the search near: its own error is larger than the rest.
-            insignificant: std::env::var("FCT_INS")
-                .ok()
-                .and_then(|s| s.parse().ok())
-                .unwrap_or(INSIGNIFICANT),
+            insignificant: INSIGNIFICANT,
             tolerance: if coarse { COARSE_TOLERANCE } else { self.case.identify.tolerance },
             max_trials: if coarse { COARSE_TRIALS } else { FitOptions::default().max_trials },
             max_iterations: match (coarse, stage) {
