@@ -30,7 +30,7 @@ pub use compare::{
 pub use condense::condensed;
 pub use cost::{Meter, Metered, Phase, PhaseCost, Watch, Within};
 pub use data::{Measured, RecordError, Slot};
-pub use design::{DesignAnswer, DesignRequest, Foresight, Known, RatedProtocol, Variant, design};
+pub use design::{Confirmed, DesignAnswer, DesignRequest, Foresight, Known, RatedProtocol, Variant, design};
 pub use doctor::{Advice, Doctor, RecordFindings, doctor};
 pub use held_out::HeldOut;
 pub use identify::{

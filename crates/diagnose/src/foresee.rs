@@ -32,6 +32,39 @@ pub struct Foreseen {
     pub least: Option<f64>,
 }
 
+/// Whether records show an effect at its plausible size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// Yes.
+    Shown,
+    /// Perhaps.
+    Faint,
+    /// No.
+    Hidden,
+}
+
+impl Shown {
+    /// `shown`, `faint`, `hidden`.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Shown => "shown",
+            Self::Faint => "faint",
+            Self::Hidden => "hidden",
+        }
+    }
+}
+
+impl Foreseen {
+    /// Whether the records show it.
+    pub fn shown(&self) -> Shown {
+        match self.power {
+            0.9.. => Shown::Shown,
+            0.5.. => Shown::Faint,
+            _ => Shown::Hidden,
+        }
+    }
+}
+
 /// z of 90 % power.
 const NINETY: f64 = 1.281_551_565_5;
 

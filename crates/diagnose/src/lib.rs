@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod candidate;
+mod chance;
 mod discover;
 mod foresee;
 mod ladder;
@@ -23,8 +24,9 @@ pub mod tails;
 pub mod words;
 
 pub use candidate::{Amplitude, Candidate, Shape, Side};
+pub use chance::{Chance, chances};
 pub use discover::discover;
-pub use foresee::{Foreseen, foresee};
+pub use foresee::{Foreseen, Shown, foresee};
 pub use ladder::{Hints, LEANS, Ladder, Rung, pays, weights};
 pub use noise::{NoiseError, NoiseEstimate};
 pub use pairs::{Pair, separation};

@@ -30,20 +30,45 @@ impl Family<'_> {
         if fall <= 0.0 {
             return 1.0;
         }
-        let unsigned = self.sides.iter().all(|&s| s == Side::Both);
-        if self.shapes.len() == 1 && (unsigned || self.sides.len() == 1) {
+        if self.known() {
             return self.one_shape(fall);
         }
         let bound = self.bound(fall);
-        if bound < 0.1 * ENOUGH as f64 / policy.draws.max(1) as f64 {
+        if beyond_draws(bound, policy) {
             return bound;
         }
-        let count = self.exceedances(fall, policy);
-        if count >= ENOUGH {
-            (count + 1) as f64 / (policy.draws + 1) as f64
-        } else {
-            bound.min((ENOUGH + 1) as f64 / (policy.draws + 1) as f64)
-        }
+        decided(bound, self.exceedances(fall, policy), policy)
+    }
+
+    /// The falls whose p-values are these levels, which grow: the statistic is drawn once for all of them.
+    pub fn critical(&self, levels: &[f64], policy: &Policy) -> Vec<f64> {
+        let mut drawn = if self.known() { Vec::new() } else { self.draws(policy) };
+        drawn.sort_by(f64::total_cmp);
+        let p_value = |fall: f64| {
+            if self.known() {
+                return self.one_shape(fall);
+            }
+            let bound = self.bound(fall);
+            if beyond_draws(bound, policy) {
+                return bound;
+            }
+            decided(bound, drawn.len() - drawn.partition_point(|d| *d < fall), policy)
+        };
+        let one = |level: &f64| {
+            let (mut low, mut high) = (0.0, 200.0);
+            for _ in 0..40 {
+                let middle = 0.5 * (low + high);
+                if p_value(middle) > *level { low = middle } else { high = middle }
+            }
+            high
+        };
+        levels.iter().map(one).collect()
+    }
+
+    /// Whether the law is known without drawing.
+    fn known(&self) -> bool {
+        let unsigned = self.sides.iter().all(|&s| s == Side::Both);
+        self.shapes.len() == 1 && (unsigned || self.sides.len() == 1)
     }
 
     /// The law of one shape: exact for one amplitude or unsigned ones, an upper bound for signed ones.
@@ -80,53 +105,66 @@ impl Family<'_> {
         (total * if two_sided { 2.0 } else { 1.0 }).clamp(SMALLEST, 1.0)
     }
 
-    /// How many of the draws reach `fall`. Without effect, Bᵀr of an orthonormal basis B of all shapes is
-    /// standard normal, and the statistic depends on r through nothing else.
+    /// How many of the draws reach `fall`.
     fn exceedances(&self, fall: f64, policy: &Policy) -> usize {
+        self.draws(policy).iter().filter(|d| **d >= fall).count()
+    }
+
+    /// Draws of the statistic. Without effect, Bᵀr of an orthonormal basis B of all shapes is standard normal, and the
+    /// statistic depends on r through nothing else.
+    fn draws(&self, policy: &Policy) -> Vec<f64> {
         let all: Vec<_> = self.shapes.iter().flat_map(|s| s.column_iter()).map(|c| c.into_owned()).collect();
         let basis = orthonormal(&DMatrix::from_columns(&all));
         let inner: Vec<DMatrix<f64>> = self.shapes.iter().map(|s| basis.tr_mul(s)).collect();
         if self.sides.len() == 1 {
-            return self.exceedances_single(fall, policy, basis.ncols(), &inner);
+            return self.draws_of_one(policy, basis.ncols(), &inner);
         }
         let grams: Vec<DMatrix<f64>> = inner.iter().map(|s| s.tr_mul(s)).collect();
         let mut random = Random::new(policy.seed);
-        (0..policy.draws)
-            .filter(|_| {
-                let g = random.normals(basis.ncols());
-                inner.iter().zip(&grams).any(|(s, gram)| {
-                    let b = s.tr_mul(&g);
-                    statistic(gram, &b, self.sides).fall >= fall
-                })
-            })
-            .count()
+        let mut one = || {
+            let g = random.normals(basis.ncols());
+            let falls = inner.iter().zip(&grams).map(|(s, gram)| {
+                let b = s.tr_mul(&g);
+                statistic(gram, &b, self.sides).fall
+            });
+            falls.fold(0.0, f64::max)
+        };
+        (0..policy.draws).map(|_| one()).collect()
     }
 
     /// The same for one amplitude, where a shape is just a unit vector.
-    fn exceedances_single(
-        &self,
-        fall: f64,
-        policy: &Policy,
-        dimensions: usize,
-        inner: &[DMatrix<f64>],
-    ) -> usize {
+    fn draws_of_one(&self, policy: &Policy, dimensions: usize, inner: &[DMatrix<f64>]) -> Vec<f64> {
         let units: Vec<Vec<f64>> = inner.iter().map(|s| s.iter().map(|v| v / s.norm()).collect()).collect();
-        let (critical, side) = (fall.sqrt(), self.sides[0]);
+        let side = self.sides[0];
         let mut random = Random::new(policy.seed);
         let mut g = vec![0.0; dimensions];
-        (0..policy.draws)
-            .filter(|_| {
-                g.iter_mut().for_each(|v| *v = random.normal());
-                units.iter().any(|u| {
-                    let z: f64 = u.iter().zip(&g).map(|(a, b)| a * b).sum();
-                    match side {
-                        Side::Both => z.abs() >= critical,
-                        Side::Positive => z >= critical,
-                        Side::Negative => -z >= critical,
-                    }
-                })
-            })
-            .count()
+        let mut one = || {
+            g.iter_mut().for_each(|v| *v = random.normal());
+            let sized = units.iter().map(|u| {
+                let z: f64 = u.iter().zip(&g).map(|(a, b)| a * b).sum();
+                match side {
+                    Side::Both => z.abs(),
+                    Side::Positive => z,
+                    Side::Negative => -z,
+                }
+            });
+            sized.fold(0.0, f64::max).powi(2)
+        };
+        (0..policy.draws).map(|_| one()).collect()
+    }
+}
+
+/// Whether a bound is so small that draws would not reach its fall.
+fn beyond_draws(bound: f64, policy: &Policy) -> bool {
+    bound < 0.1 * ENOUGH as f64 / policy.draws.max(1) as f64
+}
+
+/// The p-value from a bound and the number of draws that reach the fall.
+fn decided(bound: f64, count: usize, policy: &Policy) -> f64 {
+    if count >= ENOUGH {
+        (count + 1) as f64 / (policy.draws + 1) as f64
+    } else {
+        bound.min((ENOUGH + 1) as f64 / (policy.draws + 1) as f64)
     }
 }
 

@@ -21,6 +21,8 @@ pub struct Session {
     /// Every effect.
     pub catalogue: Catalogue,
     cancelled: Arc<AtomicBool>,
+    /// Nothing is being done but waiting for an answer.
+    waiting: Arc<AtomicBool>,
 }
 
 impl Session {
@@ -37,16 +39,25 @@ impl Session {
             nameable(&std::path::absolute(out).unwrap_or_else(|_| out.clone()))?;
         }
         let cancelled = Arc::new(AtomicBool::new(false));
-        let flag = cancelled.clone();
+        let waiting = Arc::new(AtomicBool::new(false));
+        let (flag, idle) = (cancelled.clone(), waiting.clone());
         let handled = ctrlc::set_handler(move || {
-            // The second time the user means it.
-            if flag.swap(true, Ordering::SeqCst) {
+            // The second time the user means it; at a question no step is being done.
+            if flag.swap(true, Ordering::SeqCst) || idle.load(Ordering::SeqCst) {
                 std::process::exit(130);
             }
             say("\nfct: stopping after this step; press Ctrl-C again to stop at once");
         });
         handled.map_err(|e| Failure::compute(format!("fct: cannot listen for Ctrl-C: {e}")))?;
-        Ok(Self { common: common.clone(), catalogue: effects::catalogue(), cancelled })
+        Ok(Self { common: common.clone(), catalogue: effects::catalogue(), cancelled, waiting })
+    }
+
+    /// Waits for the user: Ctrl-C ends the program at once.
+    pub fn waiting<T>(&self, wait: impl FnOnce() -> T) -> T {
+        self.waiting.store(true, Ordering::SeqCst);
+        let out = wait();
+        self.waiting.store(false, Ordering::SeqCst);
+        out
     }
 
     /// Whether the user wants to stop.

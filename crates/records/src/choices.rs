@@ -35,14 +35,11 @@ pub struct Choices {
     pub drop: Vec<FaultKind>,
     /// What a clock that starts again means.
     pub restart: Option<Restart>,
-    /// Points of a reduced test.
-    pub points: usize,
+    /// Points of a longer test that is thinned out; `None`: every row is kept.
+    pub points: Option<usize>,
     /// Strain and stress are true (logarithmic, Cauchy), not engineering.
     pub true_measures: bool,
 }
-
-/// Points of a reduced test unless said.
-pub const POINTS: usize = 400;
 
 /// Signs to turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -109,7 +106,7 @@ impl FaultKind {
 impl Choices {
     /// Nothing decided.
     pub fn new() -> Self {
-        Self { points: POINTS, ..Self::default() }
+        Self::default()
     }
 
     /// Takes an answer to a [`crate::Question`].

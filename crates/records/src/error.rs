@@ -113,13 +113,17 @@ impl fmt::Display for ImportError {
 impl std::error::Error for ImportError {}
 
 /// A value as it is typed into a shell.
-fn quoted(value: &str) -> String {
+pub fn quoted(value: &str) -> String {
     let plain = value.chars().all(|c| c.is_alphanumeric() || "-_.=/%+".contains(c));
-    if plain && !value.is_empty() { value.to_owned() } else { format!("'{}'", visible(value)) }
+    if plain && !value.is_empty() {
+        value.to_owned()
+    } else {
+        format!("'{}'", visible(value).replace('\'', r"'\''"))
+    }
 }
 
 /// Text of a file, safe to print: control and direction characters escaped, and not too long.
-pub(crate) fn visible(text: &str) -> String {
+pub fn visible(text: &str) -> String {
     let mut out = String::new();
     for (k, c) in text.chars().enumerate() {
         if k == 200 {

@@ -295,7 +295,7 @@ fn test(mut rows: Rows, choices: &Choices) -> Result<Test, Vec<Fault>> {
             segments.push(l.clone());
         }
     }
-    let reduced = reduce::reduce(&rows, choices.points);
+    let reduced = choices.points.and_then(|points| reduce::reduce(&rows, points));
     let size = reduced.as_ref().map_or(1, |r| r.1.rows_per_point);
     let (of_rows, of_points) = reduce::deviations(&rows, size);
     let last = rows.row.last().copied();

@@ -1,7 +1,7 @@
 //! From whatever a testing machine wrote to a record: `time_s,displacement_mm,force_N`.
 //!
 //! [`import`] finds encoding, delimiter, decimal mark, table, columns and units of a text or workbook, converts to
-//! mm, s, N, lists the faults of the rows, and reduces long tests. **Nothing is guessed in silence**: what the file
+//! mm, s, N, lists the faults of the rows, and thins long tests out on demand. **Nothing is guessed in silence**: what the file
 //! does not settle is a [`Question`] with the flag that settles it, and everything that was done is in the
 //! [`Import`]. Signs and offsets are proposed, never changed unasked.
 //!
@@ -48,9 +48,9 @@ pub mod words;
 mod workbook;
 
 pub use bytes::{LARGEST_TEXT, LARGEST_WORKBOOK};
-pub use choices::{Choices, FaultKind, Flip, POINTS, Restart};
+pub use choices::{Choices, FaultKind, Flip, Restart};
 pub use columns::Understood;
-pub use error::{Choice, Fault, ImportError, Question};
+pub use error::{Choice, Fault, ImportError, Question, quoted, visible};
 pub use faults::Found;
 pub use geometry::Geometry;
 pub use header::Said;

@@ -1,4 +1,5 @@
-//! Fewer points that tell the same: corners of path and force stay rows of the file, holds are spaced by the
+//! A record thinned out for programs that take one standard deviation for all points (`--points`; fits average whole
+//! records themselves, in `analysis`): corners of path and force stay rows of the file, holds are spaced by the
 //! logarithm of time, in between are means. Every point is made of the same number of rows, so that one standard
 //! deviation of the force holds for all of them.
 

@@ -20,6 +20,8 @@ use std::sync::Arc;
 const AREAS: usize = 3;
 /// How much coarser than the given mesh; less where a strip is too small for that.
 const COARSEN: [f64; 3] = [4.0, 2.0, 1.0];
+/// Steps of a tearing and of a uniaxial test.
+const STEPS: (usize, usize) = (96, 48);
 /// Shares of the guessed strength that are tried until a run comes to the end of its records.
 const STRENGTHS: [f64; 4] = [1.0, 0.6, 1.6, 0.3];
 /// A parameter is known when its standard error is below this share of it.
@@ -56,6 +58,7 @@ pub(super) struct Linear {
     pub measured: Measured,
     frees: Vec<Free>,
     theta: Vec<f64>,
+    all: Vec<f64>,
 }
 
 /// The case as it is looked at here: few areas, a coarse mesh.
@@ -90,11 +93,14 @@ pub(super) fn model_of(case: &Case, catalogue: &Catalogue) -> Result<(Model, Dis
     Err(last.map_or_else(|| AnalysisError::Case("no mesh".into()), AnalysisError::from))
 }
 
-/// Steps and tolerance of a look.
+/// Steps and tolerance of a look. Steps are short: what lies between two of them is interpolated, and an effect that the
+/// base nearly imitates is no larger than the error of long ones. They are the same for all models, with memory
+/// or without, or a fit would chase their difference.
 pub(super) fn options(case: &Case) -> RunOptions {
     let mut o = crate::identify::run_options(case);
-    (o.tearing_steps, o.uniaxial_steps) = (24, 12);
-    o.march.newton.tolerance = o.march.newton.tolerance.max(1e-6);
+    (o.tearing_steps, o.uniaxial_steps) = STEPS;
+    o.follow_holds = true;
+    o.march.newton.tolerance = o.march.newton.tolerance.max(crate::identify::SEARCH_TOLERANCE);
     o.march.budget = crate::identify::TRIAL_BUDGET;
     o
 }
@@ -123,16 +129,26 @@ pub(super) fn linear(
     let screened = base.screen()?;
     let mut list = frees(model, theta, &free);
     crate::priors::add(&mut list, &model.case, true);
-    let theta = free.iter().map(|&i| theta[i]).collect();
     let (prediction, candidates) = (screened.prediction, screened.candidates);
-    Ok(Linear { prediction, candidates, measured, frees: list, theta })
+    let all = theta.to_vec();
+    let theta = free.iter().map(|&i| theta[i]).collect();
+    Ok(Linear { prediction, candidates, measured, frees: list, theta, all })
 }
 
 impl Linear {
     /// Free base parameters as a fit sees them, with their values.
-    #[cfg(test)]
     pub fn base(&self) -> (&[Free], &[f64]) {
         (&self.frees, &self.theta)
+    }
+
+    /// Values of all parameters.
+    pub fn all(&self) -> &[f64] {
+        &self.all
+    }
+
+    /// Whitened with the misfit to what is measured.
+    pub fn misfit(&self) -> Whitened {
+        Whitened::new(&self.measured.data, &self.frees, &self.theta, &self.prediction, Noise::Record)
     }
 
     /// Whitened at the prediction itself: nothing is missed yet. `camera`: camera channels count.

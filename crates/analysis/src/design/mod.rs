@@ -1,41 +1,31 @@
 //! Before the test: which protocol would show what, on a strip of this geometry with a tissue of about this kind.
 
 mod engine;
+mod full;
 mod program;
 #[cfg(test)]
 mod repeats;
+mod table;
 
 pub(crate) use engine::foresight_of_records;
 pub use engine::{Foresight, Known};
+pub use full::Confirmed;
 
-use crate::data::Measured;
+use crate::condensed;
 use crate::identify::AnalysisError;
-use crate::ladder::next_test::extension::{self, Extension};
-use crate::problem::{Cancelled, FeProblem};
-use crate::{Slot, condensed};
+use crate::problem::Cancelled;
 use diagnose::{Foreseen, Policy};
-use engine::{Linear, linear, model_of, options, with_guess, with_strength};
-use input::{Case, Leg, Record, TestKind};
-use inverse::Problem as _;
-use model::{Catalogue, Channel, Discretisation, Model};
-use program::{PROGRAMS, Program, Pull, record, seconds};
+use engine::with_guess;
+use full::Full;
+use input::{Case, Leg};
+use model::Catalogue;
+use program::PROGRAMS;
 use serde::Serialize;
 use std::sync::Arc;
+use table::Table;
 
 /// Power that is enough.
 const ENOUGH: f64 = 0.9;
-/// Pull of a strip that the file says nothing about, as a share of its length, and the rate per second.
-const STRETCH: f64 = 0.35;
-const RATE: f64 = 0.01;
-/// A tear is followed to where the force has fallen to this share of its peak, at most this many lengths.
-const FALLEN: f64 = 0.25;
-const FARTHEST: f64 = 2.0;
-/// Noise of a load cell that nothing is known of, as a share of the peak; and of cameras, mm.
-const NOISE: f64 = 0.005;
-const CAMERA_SD: f64 = 0.01;
-const FRONT_SD: f64 = 0.1;
-/// Shares of the guessed strength that are tried until a run comes to its end.
-const STRENGTHS: [f64; 3] = [1.0, 0.7, 1.4];
 
 /// What is asked.
 #[derive(Clone, Debug, Default)]
@@ -48,9 +38,11 @@ pub struct DesignRequest {
     pub range_n: Option<f64>,
     /// Two effects to be told apart.
     pub rivals: Option<[String; 2]>,
+    /// The linear look alone; the proposed protocol is not asked of the full model.
+    pub quick: bool,
 }
 
-/// A protocol that was weighed.
+/// A protocol that was weighed: by a linear look at the model, and the proposed one by the full model too.
 #[derive(Clone, Debug, Serialize)]
 pub struct RatedProtocol {
     /// Name.
@@ -65,6 +57,9 @@ pub struct RatedProtocol {
     pub force: Foresight,
     /// With cameras on edges, width and tear.
     pub camera: Foresight,
+    /// Load cell alone by the full model, effects that the linear look says may show.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub full: Vec<Confirmed>,
     /// Power that tells the rivals apart: load cell alone, with cameras.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rivals_power: Option<[f64; 2]>,
@@ -98,14 +93,6 @@ pub struct DesignAnswer {
     pub variants: Vec<Variant>,
     /// Things to mind.
     pub remarks: Vec<String>,
-}
-
-/// What a design is made with.
-struct Table<'a> {
-    case: Arc<Case>,
-    catalogue: &'a Catalogue,
-    cancelled: Cancelled<'a>,
-    policy: Policy,
 }
 
 /// Weighs protocols for the tests of a case.
@@ -153,6 +140,9 @@ pub fn design(
         }
         None => Vec::new(),
     };
+    if !request.quick {
+        weighed[0].0.full = confirmed(&table, &weighed[0], &noise, progress)?;
+    }
     Ok(DesignAnswer {
         remarks: table.remarks(&peaks, &noise, request),
         protocols: weighed.into_iter().map(|w| w.0).collect(),
@@ -170,232 +160,20 @@ fn worth(w: &RatedProtocol) -> f64 {
     100.0 * w.rivals_power.map_or(0.0, |p| (10.0 * p[0]).round()) + seen(&w.force.effects)
 }
 
-impl Table<'_> {
-    fn named(&self, values: &[f64]) -> Vec<(String, f64)> {
-        self.case.tests.iter().map(|t| t.name.clone()).zip(values.iter().copied()).collect()
+/// What the full model says of a protocol's effects.
+fn confirmed(
+    table: &Table,
+    (rated, legs): &(RatedProtocol, Vec<Vec<Leg>>),
+    noise: &[f64],
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Vec<Confirmed>, AnalysisError> {
+    let full = Full::new(table, legs, noise)?;
+    let asked: Vec<Foreseen> = full.foreseen()?.into_iter().filter(full::worth_asking).collect();
+    let mut out = Vec::new();
+    for (k, f) in asked.iter().enumerate() {
+        progress(&format!("{}, full model: {} ({} of {})", rated.words, f.effect, k + 1, asked.len()));
+        out.push(full.confirmed(f)?);
     }
-
-    /// The case with planned records in its tests.
-    fn planned(&self, legs: &[Vec<Leg>], noise: &[f64], camera: bool) -> Case {
-        let mut case = (*self.case).clone();
-        for ((test, legs), sd) in case.tests.iter_mut().zip(legs).zip(noise) {
-            test.record = Some(record(legs, camera, test.kind));
-            test.protocol = None;
-            test.force_sd = Some(*sd);
-            test.grip_displacement_sd = test.grip_displacement_sd.or(Some(CAMERA_SD));
-            test.width_change_sd = test.width_change_sd.or(Some(CAMERA_SD));
-            test.tear_front_sd = test.tear_front_sd.or(Some(FRONT_SD));
-        }
-        case
-    }
-
-    /// How far each test would go, and its largest force.
-    fn pulls(&self) -> Result<(Vec<Pull>, Vec<f64>), AnalysisError> {
-        let g = &self.case.geometry;
-        let mut pulls = Vec::new();
-        let mut open = Vec::new();
-        for test in &self.case.tests {
-            let (to, rate) = match (&test.record, &test.protocol) {
-                (Some(r), _) => (Some(r.displacement.iter().fold(0.0f64, |m, u| m.max(*u))), pace(r)),
-                (_, Some(legs)) => farthest(legs),
-                _ => (None, None),
-            };
-            let kind = test.kind;
-            let default = if kind == TestKind::Tearing { FARTHEST } else { STRETCH } * g.length;
-            open.push(to.is_none() && kind == TestKind::Tearing);
-            pulls.push(Pull { kind, to_mm: to.unwrap_or(default), rate: rate.unwrap_or(RATE * g.length) });
-        }
-        let legs: Vec<Vec<Leg>> =
-            pulls.iter().map(|p| vec![Leg::Ramp { to_mm: p.to_mm, rate_mm_per_s: p.rate }]).collect();
-        let case = self.planned(&legs, &vec![1.0; pulls.len()], false);
-        let (model, _) = model_of(&case, self.catalogue)?;
-        let (_, forces) = self.run(&model)?;
-        for ((pull, open), (test, force)) in
-            pulls.iter_mut().zip(open).zip(model.tests.iter().zip(&forces)).filter(|((_, open), _)| *open)
-        {
-            let Some(r) = test.test.record.as_ref().filter(|_| open) else { continue };
-            let peak = force.iter().fold(0.0f64, |m, f| m.max(*f));
-            let at = force.iter().position(|f| *f >= peak).unwrap_or(0);
-            let fallen = (at..force.len()).find(|&i| force[i] < FALLEN * peak);
-            pull.to_mm = r.displacement[fallen.unwrap_or(force.len() - 1)];
-        }
-        let peaks = forces.iter().map(|f| f.iter().fold(0.0f64, |m, f| m.max(*f))).collect();
-        Ok((pulls, peaks))
-    }
-
-    /// Forces of planned records, at the guess or near it: values and one list per test.
-    fn run(&self, model: &Model) -> Result<(Vec<f64>, Vec<Vec<f64>>), AnalysisError> {
-        let slots: Vec<Slot> = (0..model.tests.len())
-            .filter_map(|t| {
-                let record = model.tests[t].test.record.as_ref()?;
-                Some(Slot { test: t, channel: Channel::Force, rows: (0..record.len()).collect() })
-            })
-            .collect();
-        let mut last = None;
-        for share in STRENGTHS {
-            let theta = with_strength(model, &model.theta(), share);
-            let problem = FeProblem::new(
-                model,
-                theta.clone(),
-                Vec::new(),
-                &slots,
-                options(&model.case),
-                self.cancelled,
-            );
-            match problem.predict(&[], false) {
-                Ok(p) => {
-                    let mut at = 0;
-                    let lists = slots.iter().map(|s| {
-                        at += s.rows.len();
-                        p.values.as_slice()[at - s.rows.len()..at].to_vec()
-                    });
-                    return Ok((theta, lists.collect()));
-                }
-                Err(e) => last = Some(e),
-            }
-            if self.cancelled.stops() {
-                break;
-            }
-        }
-        Err(last.map_or_else(|| AnalysisError::Case("nothing to run".into()), AnalysisError::from))
-    }
-
-    /// Noise of each test's force, N.
-    fn noise(&self, peaks: &[f64], given: Option<f64>) -> Vec<f64> {
-        let tests = self.case.tests.iter().zip(peaks);
-        let of_record = |test: &input::Test| {
-            let r = test.record.as_ref()?;
-            let breaks: Vec<usize> = model::corner_rows(r).iter().map(|c| c.0).collect();
-            diagnose::noise::estimate(&r.time, &r.force, &breaks).ok().map(|n| n.sd)
-        };
-        tests.map(|(t, peak)| given.or(t.force_sd).or_else(|| of_record(t)).unwrap_or(NOISE * peak)).collect()
-    }
-
-    /// The linearised model of a case with planned records.
-    fn look(&self, case: Case, catalogue: &Catalogue) -> Result<(Linear, Case), AnalysisError> {
-        let (model, _) = model_of(&case, catalogue)?;
-        let (theta, forces) = self.run(&model)?;
-        // Sizes of effects are taken from the forces of the records.
-        let mut case = case;
-        for (test, force) in case.tests.iter_mut().zip(forces) {
-            if let Some(r) = &mut test.record {
-                r.force = force;
-            }
-        }
-        let (model, how): (Model, Discretisation) = model_of(&case, catalogue)?;
-        let measured = Measured::of(&model, &model.recorded())?;
-        let linear = linear(&model, how, &theta, measured, catalogue, self.cancelled)?;
-        Ok((linear, case))
-    }
-
-    fn weigh(
-        &self,
-        program: Program,
-        legs: &[Vec<Leg>],
-        noise: &[f64],
-        request: &DesignRequest,
-    ) -> Result<RatedProtocol, AnalysisError> {
-        let (linear, case) = self.look(self.planned(legs, noise, true), self.catalogue)?;
-        let tell = |camera| linear.foresight(self.catalogue, &self.policy, camera);
-        let apart =
-            |camera| request.rivals.as_ref().map(|[a, b]| linear.separation(a, b, &self.policy, camera));
-        Ok(RatedProtocol {
-            name: program.name.to_owned(),
-            words: program.words.to_owned(),
-            seconds: legs.iter().map(|l| seconds(l)).sum(),
-            protocols: case.tests.iter().map(|t| t.name.clone()).zip(legs.iter().cloned()).collect(),
-            force: tell(false)?,
-            camera: tell(true)?,
-            rivals_power: apart(false).zip(apart(true)).map(|(f, c)| [f, c]),
-        })
-    }
-
-    /// Additions to a protocol that tell two effects apart.
-    fn variants(
-        &self,
-        legs: &[Vec<Leg>],
-        noise: &[f64],
-        [a, b]: &[String; 2],
-    ) -> Result<Vec<Variant>, AnalysisError> {
-        let both = [a, b].into_iter().filter_map(|n| self.catalogue.get(n).cloned()).collect();
-        let rivals = Catalogue::new(both);
-        let (_, case) = self.look(self.planned(legs, noise, false), &rivals)?;
-        let segments = extension::extensions(&case);
-        let mut out: Vec<Variant> = Vec::new();
-        for x in segments.iter().filter(|x| x.seconds > 0.0) {
-            let Extension { words, seconds, parts } = x;
-            let mut longer = case.clone();
-            for part in parts {
-                longer.tests[part.test].record = Some(part.record.clone());
-            }
-            match self.look(longer, &rivals) {
-                Ok((linear, _)) => out.push(Variant {
-                    proposal: words.clone(),
-                    seconds: *seconds,
-                    power: linear.separation(a, b, &self.policy, false),
-                }),
-                Err(e) if self.cancelled.stops() => return Err(e),
-                // What cannot be computed is not proposed.
-                Err(_) => {}
-            }
-        }
-        out.sort_by(|x, y| {
-            let rounded = |v: &Variant| (100.0 * v.power).round();
-            rounded(y).total_cmp(&rounded(x)).then(x.seconds.total_cmp(&y.seconds))
-        });
-        Ok(out)
-    }
-
-    fn remarks(&self, peaks: &[f64], noise: &[f64], request: &DesignRequest) -> Vec<String> {
-        let mut out = Vec::new();
-        for ((test, peak), sd) in self.case.tests.iter().zip(peaks).zip(noise) {
-            let name = &test.name;
-            if let Some(range) = request.range_n {
-                if *peak > 0.9 * range {
-                    out.push(format!(
-                        "{name}: about {peak:.3} N are expected, the load cell ends at {range} N"
-                    ));
-                } else if *peak < 0.02 * range {
-                    out.push(format!(
-                        "{name}: about {peak:.3} N are expected, {:.1} % of the load cell's range: a smaller one is less noisy",
-                        100.0 * peak / range
-                    ));
-                }
-            }
-            if *sd > 0.02 * peak {
-                out.push(format!(
-                    "{name}: noise of {sd:.4} N is {:.0} % of the expected peak",
-                    100.0 * sd / peak
-                ));
-            }
-        }
-        let kinds = |k: TestKind| self.case.tests.iter().any(|t| t.kind == k);
-        if !kinds(TestKind::Tearing) {
-            out.push("no tearing test: toughness and strength are not measured".into());
-        }
-        if !kinds(TestKind::Uniaxial) {
-            out.push("no uniaxial test: the tissue is told by the tear alone".into());
-        }
-        out
-    }
-}
-
-/// Usual rate of a record, mm/s.
-fn pace(r: &Record) -> Option<f64> {
-    let corners = model::corners_of_record(r);
-    let legs = corners.windows(2).filter(|w| w[1].displacement > w[0].displacement);
-    let rates: Vec<f64> =
-        legs.map(|w| (w[1].displacement - w[0].displacement) / (w[1].time - w[0].time)).collect();
-    rates.first().copied()
-}
-
-/// Largest displacement and first rate of a protocol.
-fn farthest(legs: &[Leg]) -> (Option<f64>, Option<f64>) {
-    let ramps = legs.iter().filter_map(|l| match l {
-        Leg::Ramp { to_mm, rate_mm_per_s } => Some((*to_mm, *rate_mm_per_s)),
-        Leg::Hold { .. } => None,
-    });
-    let list: Vec<(f64, f64)> = ramps.collect();
-    let most = list.iter().map(|l| l.0).fold(f64::MIN, f64::max);
-    (list.first().map(|_| most), list.first().map(|l| l.1))
+    out.sort_by(|a, b| b.power.total_cmp(&a.power));
+    Ok(out)
 }

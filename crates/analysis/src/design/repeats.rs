@@ -1,9 +1,12 @@
 //! The power that a design promises is the share of noisy records on which the screen calls the effect.
 
-use super::*;
-use crate::columns::{case_with, config_of, transfer};
-use diagnose::Foreseen;
+use super::engine::Linear;
+use super::full::{Full, seen_at};
+use super::program::PROGRAMS;
+use super::table::Table;
+use diagnose::{Foreseen, Policy};
 use inverse::{Noise, Random, Whitened};
+use std::sync::Arc;
 
 const STRIP: &str = r#"
 name = "small"
@@ -44,88 +47,30 @@ fn powers(effects: &[&str], promised: &[f64], repeats: usize) -> Vec<(String, f6
     let table = Table { case, catalogue: &catalogue, cancelled: &go, policy: Policy::default() };
     let (pulls, peaks) = table.pulls().expect("a run");
     let legs = PROGRAMS[3].within(&pulls, 3600.0).expect("within an hour");
-    let (linear, planned) =
-        table.look(table.planned(&legs, &table.noise(&peaks, None), false), &catalogue).expect("a look");
-    let foreseen = linear.foresight(&catalogue, &table.policy, false).expect("a foresight").effects;
-    let (base, how) = model_of(&planned, &catalogue).expect("a model");
+    let full = Full::new(&table, &legs, &table.noise(&peaks, None)).expect("a look");
+    let foreseen = full.foreseen().expect("a foresight");
     let mut out = Vec::new();
     for &name in effects {
         let f = foreseen.iter().find(|f| f.effect == name).expect("in the catalogue");
+        let confirmed = full.confirmed(f).expect("asked");
+        println!("{name}: {}", said(f, &confirmed.tried));
         for &power in promised {
-            let truth = with_effect(&table, &base, how, &linear, f, size(f, power));
-            let fitted = refitted(&table, &base, how, &linear, &truth);
+            let Some(size) = seen_at(&confirmed.tried, power) else {
+                println!("{name}: no size has a power of {power} ({:?})", confirmed.not);
+                continue;
+            };
+            let truth = full.truth(f, size).expect("a run");
+            let fitted = full.refitted(&truth, &full.starts(&confirmed.fitted, size)).expect("a fit");
             out.push((name.to_owned(), power, share(&table, &fitted, &truth, name, repeats)));
         }
     }
     out
 }
 
-/// The size that is seen with a power.
-fn size(f: &Foreseen, power: f64) -> f64 {
-    let ninety = diagnose::tails::normal_isf(0.1);
-    f.least.expect("visible") - (ninety - diagnose::tails::normal_isf(1.0 - power)) * f.plausible / f.snr
-}
-
-/// What the records would read with the effect, in full.
-fn with_effect(
-    table: &Table,
-    base: &Model,
-    how: Discretisation,
-    linear: &Linear,
-    f: &Foreseen,
-    size: f64,
-) -> nalgebra::DVector<f64> {
-    let effect = table.catalogue.get(&f.effect).expect("in the catalogue");
-    let specs = effect.parameters(&model::Options::new());
-    let of_shape = |key: &str| f.shape.iter().find(|s| s.0 == key).map(|s| s.1);
-    let values: Vec<f64> = specs
-        .iter()
-        .enumerate()
-        .map(
-            |(k, s)| {
-                if k == 0 { s.neutral.unwrap_or(0.0) + size } else { of_shape(&s.key()).unwrap_or(s.start) }
-            },
-        )
-        .collect();
-    let case = case_with(&base.case, &[config_of(effect, &values)]);
-    let model = Model::new(Arc::new(case), table.catalogue, how).expect("a model");
-    let mut theta = transfer(base, &base.theta(), &model);
-    for (s, v) in specs.iter().zip(&values) {
-        let at = model.find(&format!("effects.{}.{}", f.effect, s.name)).expect("a parameter");
-        theta[at] = *v;
-    }
-    let problem = FeProblem::new(
-        &model,
-        theta,
-        Vec::new(),
-        &linear.measured.slots,
-        options(&model.case),
-        table.cancelled,
-    );
-    problem.predict(&[], false).expect("a run").values
-}
-
-/// The base fitted to the truth, as it is before a screen.
-fn refitted(
-    table: &Table,
-    base: &Model,
-    how: Discretisation,
-    linear: &Linear,
-    truth: &nalgebra::DVector<f64>,
-) -> Linear {
-    let mut measured = linear.measured.clone();
-    for block in &mut measured.data.blocks {
-        block.measured = truth.rows(block.range.start, block.range.len()).iter().copied().collect();
-    }
-    let (frees, free) = (linear.base().0, base.free());
-    let slots = &linear.measured.slots;
-    let problem =
-        FeProblem::new(base, base.theta(), free.clone(), slots, options(&base.case), table.cancelled);
-    let how_far = inverse::FitOptions { objective: inverse::Objective::Record, ..Default::default() };
-    let mut watch = |_: &inverse::Iterate| std::ops::ControlFlow::Continue(());
-    let fit = inverse::fit(&problem, &measured.data, frees, &how_far, &mut watch).expect("a fit");
-    let theta = problem.full(&fit.theta);
-    super::linear(base, how, &theta, measured, table.catalogue, table.cancelled).expect("a look")
+/// What the linear look says of sizes, and what was tried.
+fn said(f: &Foreseen, tried: &[(f64, f64)]) -> String {
+    let tried: Vec<String> = tried.iter().map(|(s, p)| format!("{s:.3e} ({p:.2})")).collect();
+    format!("plausible {:.3e}, linear snr {:.1}; tried {}", f.plausible, f.snr, tried.join(", "))
 }
 
 /// Share of noisy records of a truth on which the screen calls the effect significant.
@@ -140,8 +85,8 @@ fn share(table: &Table, linear: &Linear, truth: &nalgebra::DVector<f64>, name: &
         }
         let (frees, theta) = linear.base();
         let white = Whitened::new(&data, frees, theta, &linear.prediction, Noise::Record);
-        let none = vec![false; frees.len()];
-        let screen = diagnose::screen(&white, &none, &linear.candidates, data.points(), &table.policy)
+        let at_bound: Vec<bool> = frees.iter().zip(theta).map(|(f, t)| f.at_bound(*t)).collect();
+        let screen = diagnose::screen(&white, &at_bound, &linear.candidates, data.points(), &table.policy)
             .expect("a screen");
         called += usize::from(screen.finding(name).is_some_and(|f| f.significant));
     }
@@ -157,8 +102,7 @@ fn noisy_repeats_confirm_the_promised_power() {
     }
 }
 
-/// `just design-power`. It fails today: the promise is linear, and an effect that the
-/// base parameters imitate nearly (compliance, prestretch, grip_slip here) shows by what is not linear in it.
+/// `just design-power`
 #[test]
 #[ignore = "many repeats: minutes"]
 fn noisy_repeats_of_many_effects() {

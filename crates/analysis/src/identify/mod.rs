@@ -7,9 +7,8 @@ mod search;
 mod work;
 
 pub(crate) use search::{StagePlan, stages};
-use work::SEARCH_TOLERANCE;
 pub use work::frees;
-pub(crate) use work::{TRIAL_BUDGET, Work};
+pub(crate) use work::{SEARCH_TOLERANCE, TRIAL_BUDGET, Work};
 
 use crate::data::{Measured, RecordError};
 use crate::held_out::{HeldOut, held_out};

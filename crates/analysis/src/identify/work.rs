@@ -20,7 +20,7 @@ const INSIGNIFICANT: f64 = 0.25;
 
 /// Newton tolerance of the search, if the file's is not coarser: it moves χ² by far less than a step
 /// does. The last run, which the answer is made from, takes the file's.
-pub(super) const SEARCH_TOLERANCE: f64 = 1e-7;
+pub(crate) const SEARCH_TOLERANCE: f64 = 1e-7;
 
 /// Newton iterations a trial run may take: about five times what a smooth tear needs.
 pub(crate) const TRIAL_BUDGET: usize = 2500;

@@ -100,8 +100,7 @@ fn same(clean: &Identified, long: &Identified, what: &str) {
         assert!(shift < 0.1, "{what} {}", a.path);
         let ratio = (b.interval_95[1] - b.interval_95[0]) / width;
         println!("{what} {}: intervals {ratio:.2} of the clean", a.path);
-        // Interpolated errors are smoother than an AR(1): taken for one, they say less than they could.
-        // Printed, not held to a bound: errors that were interpolated count as autocorrelated, which widens intervals.
+        assert!((0.8..1.25).contains(&ratio), "{what} {}: {ratio}", a.path);
     }
     let runs = |i: &Identified| i.forward_runs as f64;
     assert!(runs(long) < 1.6 * runs(clean) + 8.0, "{what}: {} runs for {}", runs(long), runs(clean));

@@ -28,6 +28,9 @@ pub struct Arguments {
     /// Range of the load cell, N
     #[arg(long = "range-N", value_name = "N", value_parser = positive)]
     pub range_n: Option<f64>,
+    /// The linear look alone: the proposed protocol is not asked of the full model
+    #[arg(long)]
+    pub quick: bool,
 }
 
 /// A number above 0.
@@ -67,6 +70,7 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
         noise_n: arguments.noise_n,
         range_n: arguments.range_n,
         rivals: rivals.clone(),
+        quick: arguments.quick,
     };
     let progress = |text: &str| session.say(text);
     let cancelled = || session.cancelled();

@@ -20,6 +20,7 @@ mod newcomers;
 mod reference;
 mod safety;
 mod simulate;
+mod terminal;
 mod too_large;
 mod tutorial;
 #[path = "common/watched.rs"]

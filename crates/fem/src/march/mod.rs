@@ -171,7 +171,8 @@ impl March<'_> {
                 Err(e) => {
                     share *= 0.5;
                     let tired = share < self.options.min_step_fraction;
-                    if self.walked(e, target, share * travel, dt, tired, &mut lost)? {
+                    let next = [share * travel, share * target.dt];
+                    if self.walked(e, target, next, tired, &mut lost)? {
                         done = ((self.state.actuator - start) / travel).clamp(0.0, 1.0);
                         share = (1.0 - done).max(1e-9);
                         if done >= 1.0 - 1e-12 {
@@ -183,15 +184,14 @@ impl March<'_> {
         }
     }
 
-    /// After a failed step (actuator `step`, time `dt`), whether the run went on along the path: where it steepens
+    /// Before the next step (actuator and time), one having failed: whether the run went on along the path: where it steepens
     /// towards a limit point, and where shorter steps are no way any more (`tired`). `lost`: a walk has led nowhere
     /// before.
     fn walked(
         &mut self,
         failed: FemError,
         target: &Target,
-        step: f64,
-        dt: f64,
+        [step, dt]: [f64; 2],
         tired: bool,
         lost: &mut bool,
     ) -> Result<bool, FemError> {

@@ -15,7 +15,7 @@ use crate::opening;
 use crate::state::State;
 pub(crate) use follow::follow;
 pub(crate) use measure::Measure;
-use walk::Walk;
+use walk::{Clock, Walk};
 
 /// A jump is followed for its end, not for its shape: steps this many times longer than those of a traced path.
 const BOLD: f64 = 2.0;
@@ -41,7 +41,8 @@ pub(crate) fn limit_ahead(m: &mut March, step: f64) -> bool {
 /// A jump at a limit point: follows the path from the last state until it comes back to the same
 /// actuator displacement, drops the steps between, and records what was set free.
 ///
-/// Where the branch goes on without one, it ends on the way to the actuator displacement `to`.
+/// Where the branch goes on without one, it ends on the way to the actuator displacement `to`. The actuator takes `dt` for
+/// `length` of its way; while the tear jumps, its clock stands still.
 pub(crate) fn jump(m: &mut March, measure: Measure, to: f64, length: f64, dt: f64) -> Result<(), FemError> {
     let before = m.state.clone();
     let direction = (to - before.actuator).signum();
@@ -51,6 +52,7 @@ pub(crate) fn jump(m: &mut March, measure: Measure, to: f64, length: f64, dt: f6
     let rate = length / dt.max(1e-9);
     let mut walk = Walk::start(m, measure, direction, length.max(1e-6), rate.max(1e-9))?;
     walk.largest = BOLD * m.options.arc_step.max(length);
+    walk.clock = Some(Clock { time: before.time, from: before.actuator, direction, pace: dt / length });
     let mut farthest = before.actuator;
     let mut released = 0.0;
     let mut turned = false;
@@ -65,7 +67,7 @@ pub(crate) fn jump(m: &mut March, measure: Measure, to: f64, length: f64, dt: f6
             let stands = solved.and_then(|mut c| c.border(m.system, m.problem.multiplicity)).is_ok()
                 && m.system.factor.negative_pivots() == 0;
             if stands {
-                return land(m, before, farthest, first, kept_recent, released);
+                return land(m, &walk, before, farthest, first, kept_recent, released);
             }
             walk.length = (0.5 * walk.length).max(walk.smallest);
         }
@@ -90,7 +92,7 @@ pub(crate) fn jump(m: &mut March, measure: Measure, to: f64, length: f64, dt: f6
         }
         let back = (m.state.actuator - farthest) * direction >= 0.0;
         if turned && back && m.system.factor.negative_pivots() == 0 {
-            return land(m, before, farthest, first, kept_recent, released);
+            return land(m, &walk, before, farthest, first, kept_recent, released);
         }
         // The limit point was only a cut-off step away: the branch goes on without a jump.
         let calm = walk.tangent[0] * direction > STEEP || reach > (to - m.state.actuator) * direction;
@@ -112,6 +114,7 @@ pub(crate) fn jump(m: &mut March, measure: Measure, to: f64, length: f64, dt: f6
 /// Stands at the limit displacement on the new branch and writes the jump.
 fn land(
     m: &mut March,
+    walk: &Walk,
     before: State,
     limit: f64,
     first: usize,
@@ -122,7 +125,8 @@ fn land(
     let mut c = m.newton(m.context(0.0), Control::Actuator(limit), &mut fresh)?;
     let border = c.border(m.system, m.problem.multiplicity)?;
     released += 0.5 * (m.state.force + fresh.force) * (m.state.actuator - fresh.actuator);
-    fresh_commit(m, fresh, before.time, 0.0, None, c.iterations, None, &border)?;
+    let time = walk.clock.map_or(m.state.time, |c| c.at(limit, before.time));
+    fresh_commit(m, fresh, time, 0.0, None, c.iterations, None, &border)?;
     // Between the limit point and the new branch nothing is an answer of the rig.
     let keep = m.run.steps[first..].iter().position(|s| s.negative_pivots > 0).map_or(first, |k| first + k);
     let landed = m.run.steps.len() - 1;
@@ -147,7 +151,7 @@ fn land(
     m.run.steps.truncate(keep);
     m.run.jumps.push(Jump {
         displacement: limit,
-        time: before.time,
+        time,
         force_before,
         force_after: record.force,
         released,

@@ -45,6 +45,25 @@ struct Following {
     step: f64,
 }
 
+/// The time that a rig's actuator says, which goes on at its pace whatever the tear does in between.
+#[derive(Clone, Copy)]
+pub(super) struct Clock {
+    /// Time and displacement at the begin.
+    pub(super) time: f64,
+    pub(super) from: f64,
+    /// Sense in which the actuator goes.
+    pub(super) direction: f64,
+    /// Seconds for a mm.
+    pub(super) pace: f64,
+}
+
+impl Clock {
+    /// Time at an actuator displacement, not before `last`: on the way back of a jump it stands still.
+    pub(super) fn at(self, actuator: f64, last: f64) -> f64 {
+        (self.time + self.pace * (actuator - self.from) * self.direction).max(last)
+    }
+}
+
 /// A path in progress.
 #[derive(Clone)]
 pub(super) struct Walk {
@@ -54,6 +73,8 @@ pub(super) struct Walk {
     pub(super) smallest: f64,
     pub(super) largest: f64,
     rate: f64,
+    /// Whose time the steps get; without one their arc is their time.
+    pub(super) clock: Option<Clock>,
     /// Previous state, its grip and actuator, and the arc between it and the present one.
     before: Option<(Guess, f64, f64, f64)>,
     following: Option<Following>,
@@ -91,7 +112,17 @@ impl Walk {
             return Err(FemError::Singular);
         }
         let (smallest, largest) = (length * 1e-4, length);
-        Ok(Self { measure, tangent: t, length, smallest, largest, rate, before: None, following: None })
+        Ok(Self {
+            measure,
+            tangent: t,
+            length,
+            smallest,
+            largest,
+            rate,
+            clock: None,
+            before: None,
+            following: None,
+        })
     }
 
     /// Every step is an answer: none longer than `step` mm of actuator displacement, none back along the way come.
@@ -168,7 +199,8 @@ impl Walk {
             match attempt {
                 Ok((c, border, next)) => {
                     let kept = (m.state.guess(), m.state.grip, m.state.actuator, self.length);
-                    let time = m.state.time + dt;
+                    let last = m.state.time;
+                    let time = self.clock.map_or(last + dt, |c| c.at(fresh.actuator, last));
                     // The step keeps the measure that held it; the next one has its own.
                     let upcoming = self.upcoming(m, &fresh, &border, next);
                     let along = Along { held, rates: [self.tangent[0], next[0]].map(|t| self.length * t) };

@@ -156,6 +156,7 @@ fn peers_snap_back_passed_by_a_jump() {
     let last = run.steps.last().unwrap();
     // What was not set free went into the tear.
     assert!(((last.ledger.external_work - jump.released) / 0.69 - 1.0).abs() < 3e-3);
+    keeps_its_pace(&run, 10.0);
     assert!(run.steps.iter().all(|s| s.negative_pivots == 0), "no unstable state is an answer of the rig");
 }
 

@@ -97,7 +97,7 @@ fn a_tear_stays_sharp() {
         let f = if i < 20_000 { t } else { 10.0 + 0.01 * t };
         let _ = writeln!(text, "{t},{},{}", 0.01 * t, f + 0.1 * errors[i as usize]);
     }
-    let read = import("a.csv", text.as_bytes(), &[]).expect("read");
+    let read = import("a.csv", text.as_bytes(), &[("points", "400")]).expect("read");
     let points = read.tests[0].reduced.as_ref().expect("reduced");
     let between = points.force.iter().filter(|f| **f > 62.0 && **f < 198.0);
     let on_the_ramp =

@@ -1,7 +1,7 @@
 //! Protocols that were weighed, as a table and in words.
 
 use super::{Style, wrap};
-use analysis::{DesignAnswer, Foresight, RatedProtocol};
+use analysis::{Confirmed, DesignAnswer, Foresight, RatedProtocol};
 use input::Leg;
 use std::fmt::Write as _;
 
@@ -20,8 +20,11 @@ pub fn design(answer: &DesignAnswer, style: Style) -> String {
         let _ =
             writeln!(out, "  {test}: protocol = [{}]", legs.iter().map(leg).collect::<Vec<_>>().join(", "));
     }
-    told(&mut out, "with the load cell", &best.force);
-    told(&mut out, "with cameras too", &best.camera);
+    if !best.full.is_empty() {
+        confirmed(&mut out, &best.full);
+    }
+    told(&mut out, "with the load cell, by the linear look", &best.force);
+    told(&mut out, "with cameras too, by the linear look", &best.camera);
     out.push('\n');
     for w in &answer.protocols {
         let _ = writeln!(out, "{}", row(w));
@@ -45,6 +48,31 @@ pub fn design(answer: &DesignAnswer, style: Style) -> String {
         let _ = writeln!(out, "{}", style.notice(&wrap(r, WIDTH, 2)));
     }
     out
+}
+
+/// Effects by the full model: those that are seen, with the size that is seen with 90 % power, and the others.
+fn confirmed(out: &mut String, full: &[Confirmed]) {
+    let least = |c: &Confirmed| match c.seen_at[2] {
+        Some(size) => format!("{} (from {} = {})", c.effect, c.amplitude, short(size)),
+        None => c.effect.clone(),
+    };
+    let seen: Vec<String> = full.iter().filter(|c| c.power >= SEEN).map(least).collect();
+    let faint: Vec<String> = full
+        .iter()
+        .filter(|c| c.not.is_none() && (0.1..SEEN).contains(&c.power))
+        .map(|c| format!("{} ({:.0} %)", c.effect, 100.0 * c.power))
+        .collect();
+    let mut line = format!("with the load cell, by the full model: shows {}", or_none(seen));
+    if !faint.is_empty() {
+        let _ = write!(line, "; perhaps {}", faint.join(", "));
+    }
+    let _ = writeln!(out, "  {}", wrap(&line, WIDTH - 2, 4));
+    for c in full.iter().filter(|c| c.power < SEEN) {
+        if let Some(why) = &c.not {
+            let line = format!("{}: not asked to the end ({why})", c.effect);
+            let _ = writeln!(out, "  {}", wrap(&line, WIDTH - 2, 4));
+        }
+    }
 }
 
 fn told(out: &mut String, what: &str, f: &Foresight) {

@@ -1,7 +1,7 @@
 //! Flags of `fct import`.
 
 use records::choices::{decimal, delimiter, rate, units};
-use records::{Choices, FaultKind, Flip, POINTS, Restart};
+use records::{Choices, FaultKind, Flip, Restart};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -77,9 +77,9 @@ pub struct Arguments {
     /// What a clock that starts again means: tests of their own, or one that goes on
     #[arg(long, value_name = "HOW")]
     pub restart: Option<RestartWord>,
-    /// Points that a longer test is reduced to; 0: all rows
-    #[arg(long, value_name = "N", default_value_t = POINTS)]
-    pub points: usize,
+    /// Thin a longer test out to about N points; default: every row
+    #[arg(long, value_name = "N")]
+    pub points: Option<usize>,
     /// Strain is logarithmic, stress is Cauchy's; default: engineering, unless the name says so
     #[arg(long)]
     pub true_measures: bool,
@@ -165,8 +165,8 @@ impl Arguments {
     /// # Errors
     /// If a number is out of range.
     pub fn choices(&self) -> Result<Choices, String> {
-        if self.points != 0 && self.points < 20 {
-            return Err(format!("--points {}; expected 0 (all rows) or at least 20", self.points));
+        if let Some(few) = self.points.filter(|n| *n < 20) {
+            return Err(format!("--points {few}; expected at least 20"));
         }
         let columns = [
             ("time", &self.time),
@@ -209,7 +209,7 @@ impl Arguments {
                 RestartWord::Split => Restart::Split,
                 RestartWord::Append => Restart::Append,
             }),
-            points: if self.points == 0 { usize::MAX } else { self.points },
+            points: self.points,
             true_measures: self.true_measures,
         })
     }

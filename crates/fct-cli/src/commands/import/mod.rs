@@ -10,7 +10,7 @@ pub use arguments::Arguments;
 use crate::outcome::{Failure, Outcome};
 use crate::session::{Session, file_name};
 use ::report::answer::SCHEMA;
-use records::{Choices, Geometry, Import, ImportError};
+use records::{Choices, Fault, Geometry, Import, ImportError, Question, quoted};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -50,7 +50,8 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     Outcome::new(&answer, text)
 }
 
-/// One file; on a terminal what is open is asked until it is settled.
+/// One file; on a terminal what is open is asked until it is settled, one question at a time: an answer may settle
+/// others.
 fn one(
     file: &Path,
     choices: &Choices,
@@ -59,21 +60,56 @@ fn one(
     answered: &mut Vec<String>,
 ) -> Result<Import, ImportError> {
     let mut choices = choices.clone();
+    let mut last: Option<Answer> = None;
     loop {
         // A failed reading leaves what is known of the geometry as it was.
         let mut known = geometry.clone();
-        match records::import(file, &choices, &mut known) {
+        let error = match records::import(file, &choices, &mut known) {
             Ok(import) => {
                 *geometry = known;
+                answered.extend(last.map(|a| a.flag()));
                 return Ok(import);
             }
-            Err(ImportError::Undecided { path, questions }) if ask::can(&session.common) => {
-                if !ask::all(&path, &questions, &mut choices, answered) {
-                    return Err(ImportError::Undecided { path, questions });
-                }
-            }
+            Err(error) if ask::can(session) => error,
             Err(error) => return Err(error),
-        }
+        };
+        let question = match (&error, last.take()) {
+            (ImportError::Undecided { questions, .. }, answer) => {
+                answered.extend(answer.map(|a| a.flag()));
+                questions.first().cloned()
+            }
+            // The answer does not fit the file: the same again.
+            (ImportError::Faulty { faults, .. }, Some(answer)) if answer.is_blamed(faults) => {
+                session.say(&error.to_string());
+                choices = answer.before;
+                Some(answer.question)
+            }
+            _ => None,
+        };
+        let Some(question) = question else { return Err(error) };
+        let before = choices.clone();
+        let Some(value) = ask::one(file, &question, &mut choices, session) else { return Err(error) };
+        last = Some(Answer { before, question, value });
+    }
+}
+
+/// The answer to a question, and what was decided before it.
+struct Answer {
+    before: Choices,
+    question: Question,
+    value: String,
+}
+
+impl Answer {
+    /// As it is typed into a shell.
+    fn flag(&self) -> String {
+        format!("--{} {}", self.question.flag, quoted(&self.value))
+    }
+
+    /// Whether faults are those of its flag.
+    fn is_blamed(&self, faults: &[Fault]) -> bool {
+        let flag = format!("--{} ", self.question.flag);
+        faults.iter().any(|f| f.message.starts_with(&flag))
     }
 }
 

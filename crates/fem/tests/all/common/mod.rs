@@ -177,6 +177,18 @@ pub fn ramp(from: f64, to: f64, n: usize) -> impl Iterator<Item = f64> {
     (1..=n).map(move |i| from + (to - from) * i as f64 / n as f64)
 }
 
+/// The time of every step is that at which the actuator stands there, in jumps and cuts too: `pace` seconds for a mm.
+pub fn keeps_its_pace(run: &Run, pace: f64) {
+    assert!(run.steps.windows(2).all(|w| w[0].time <= w[1].time), "time goes back");
+    for s in &run.steps {
+        let at = pace * s.actuator;
+        assert!((s.time - at).abs() < 1e-9 * (1.0 + at), "{} s at {} mm, expected {at}", s.time, s.actuator);
+    }
+    for j in &run.jumps {
+        assert!((j.time - pace * j.displacement).abs() < 1e-9 * (1.0 + j.time), "{j:?}");
+    }
+}
+
 /// Runs a plan without sensitivities.
 pub fn run(problem: &Problem, theta: &[f64], targets: &[Target], options: MarchOptions) -> Run {
     let mut system = System::new(problem).expect("system");

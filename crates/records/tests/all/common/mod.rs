@@ -92,7 +92,7 @@ pub fn import(name: &str, bytes: &[u8], flags: &[(&str, &str)]) -> Result<Import
                 "spike" => records::FaultKind::Spike,
                 _ => records::FaultKind::Clipped,
             }),
-            "points" => choices.points = value.parse().expect("a number"),
+            "points" => choices.points = Some(value.parse().expect("a number")),
             _ => choices.answer(flag, value).unwrap_or_else(|e| panic!("{flag} {value}: {e}")),
         }
     }

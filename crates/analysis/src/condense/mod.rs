@@ -5,8 +5,12 @@
 //! of time in holds, never across a corner, a change of the user's segment or a jump of the force. How much surer a mean
 //! is than a row is taken from the record: independent errors average out, slow ones do not.
 
+mod weights;
+
+pub(crate) use weights::{position, spread, typical, weights};
+
 use diagnose::noise::{Averages as Weights, NoiseError, NoiseEstimate, estimate, estimate_averages};
-use input::{Averaged, Averages, Case, Record};
+use input::{Averaged, Case, Record};
 use model::{Channel, Corner, corner_rows};
 use std::ops::Range;
 use std::sync::Arc;
@@ -20,6 +24,12 @@ const RAMP: f64 = 8.0;
 /// Points of a hold, and of all holds together, about.
 const HOLD: usize = 32;
 const HOLDS: usize = 320;
+/// Points are wider by this where their noise asks for it; still wider ones would round a tear's peak.
+const WIDER: usize = 2;
+/// Correlation of neighbours from which it is asked whether it ends sooner than an autoregressive one's.
+const CORRELATED: f64 = 0.5;
+/// How much less correlated wider points must be than an autoregressive noise's would be: about what an estimate errs.
+const SOONER: f64 = 0.1;
 /// A force that changes from row to row by more than this share of its peak and this many times the usual is a jump.
 const JUMP_SHARE: f64 = 0.02;
 const JUMP_RATIO: f64 = 12.0;
@@ -65,9 +75,34 @@ struct Bin {
     hold_since: Option<f64>,
 }
 
+/// Points of about the usual number, or wider ones: where rows share their errors over a stretch and no farther (a filter,
+/// an interpolation), close points look like an autoregressive noise whose memory is much longer, and would say less
+/// than they do. Points as wide as that stretch have errors of their own.
 fn condense(record: &Record) -> Record {
     let corners = corner_rows(record);
-    let bins = bins(record, &corners);
+    let points = condensed_to(record, &corners, 1);
+    let Some(close) = correlation(&points, &corners).filter(|c| *c > CORRELATED) else { return points };
+    let wide = condensed_to(record, &corners, WIDER);
+    // Means of two neighbours of an autoregressive noise would be correlated as much as this.
+    let expected = 0.5 * close * (1.0 + close);
+    match correlation(&wide, &corners) {
+        Some(apart) if apart < expected - SOONER => wide,
+        _ => points,
+    }
+}
+
+/// Correlation of the force's noise at neighbouring points.
+fn correlation(points: &Record, corners: &[(usize, Corner)]) -> Option<f64> {
+    let readings = &points.averaged.as_ref()?.channels[0].readings;
+    let (spread, position) = (spread(readings), position(readings));
+    let breaks: Vec<usize> = corners.iter().map(|c| points.time.partition_point(|t| *t < c.1.time)).collect();
+    let weights = Weights { spread: &spread, position: &position };
+    estimate_averages(&points.time, &points.force, weights, &breaks).ok().map(|n| n.ar1)
+}
+
+/// Points `wider` times as wide as usual.
+fn condensed_to(record: &Record, corners: &[(usize, Corner)], wider: usize) -> Record {
+    let bins = bins(record, corners, wider);
     let mean = |rows: &Range<usize>, v: &[f64]| v[rows.clone()].iter().sum::<f64>() / rows.len() as f64;
     let time = |b: &Bin| match b.hold_since {
         // A force that relaxes is even in the logarithm of time.
@@ -97,13 +132,13 @@ fn condense(record: &Record) -> Record {
     out.grip_displacement = camera(&record.grip_displacement);
     out.tear_front = camera(&record.tear_front);
     out.width_change = camera(&record.width_change);
-    let channels = Channel::ALL.map(|channel| averages(record, &out, channel, &bins, &corners));
+    let channels = Channel::ALL.map(|channel| weights::averages(record, &out, channel, &bins, corners));
     out.averaged = Some(Averaged { rows: record.len(), channels });
     out
 }
 
 /// Points of a record, in order, every row in one of them.
-fn bins(record: &Record, corners: &[(usize, Corner)]) -> Vec<Bin> {
+fn bins(record: &Record, corners: &[(usize, Corner)], wider: usize) -> Vec<Bin> {
     let travel = |w: &[(usize, Corner)]| (w[1].1.displacement - w[0].1.displacement).abs();
     let way: f64 = corners.windows(2).map(travel).sum();
     let holds = corners.windows(2).filter(|w| travel(w) == 0.0).count().max(1);
@@ -120,7 +155,7 @@ fn bins(record: &Record, corners: &[(usize, Corner)]) -> Vec<Bin> {
         let points = if hold {
             (HOLDS / holds).clamp(8, HOLD)
         } else {
-            (POINTS * travel(w) / way).max(RAMP).ceil() as usize
+            (POINTS / wider as f64 * travel(w) / way).max(RAMP).ceil() as usize
         };
         for part in parts(inside.clone(), &breaks) {
             let share = (points as f64 * part.len() as f64 / inside.len() as f64).ceil() as usize;
@@ -207,95 +242,6 @@ fn camera_means(record: &Record, channel: &[Option<f64>], bins: &[Bin], time: &[
             let b = (i + 1..=ahead).find_map(|j| means[j]).unwrap_or((t, v));
             let slope = if b.0 > a.0 { (b.1 - a.1) / (b.0 - a.0) } else { 0.0 };
             Some(v + slope * (time[i] - t))
-        })
-        .collect()
-}
-
-/// Readings behind the points of a channel, and how fast their means get surer.
-fn averages(
-    whole: &Record,
-    points: &Record,
-    channel: Channel,
-    bins: &[Bin],
-    corners: &[(usize, Corner)],
-) -> Averages {
-    let rows = channel.of(whole);
-    if rows.is_empty() {
-        return Averages::default();
-    }
-    let mut readings = vec![0; bins.len()];
-    let mut bin = 0;
-    for (row, _) in &rows {
-        while bins[bin].rows.end <= *row {
-            bin += 1;
-        }
-        readings[bin] += 1;
-    }
-    let decay = decay(whole, points, channel, &readings, corners).unwrap_or(0.0);
-    Averages { readings, decay }
-}
-
-/// From the noise of single readings and that of the means; `None` where the means show none or single readings are
-/// smooth: then they share their error.
-fn decay(
-    whole: &Record,
-    points: &Record,
-    channel: Channel,
-    readings: &[usize],
-    corners: &[(usize, Corner)],
-) -> Option<f64> {
-    let breaks_in = |time: &[f64]| -> Vec<usize> {
-        corners.iter().map(|c| time.partition_point(|t| *t < c.1.time)).collect()
-    };
-    let noise = |record: &Record, weights: Weights| {
-        let (rows, values): (Vec<usize>, Vec<f64>) = channel.of(record).into_iter().unzip();
-        let time: Vec<f64> = rows.iter().map(|&r| record.time[r]).collect();
-        match weights.spread.is_empty() {
-            true => estimate(&time, &values, &breaks_in(&time)).ok(),
-            false => estimate_averages(&time, &values, weights, &breaks_in(&time)).ok(),
-        }
-    };
-    let readings: Vec<usize> = readings.iter().copied().filter(|r| *r > 0).collect();
-    let typical = typical(&readings);
-    if typical < 2.0 {
-        return Some(0.5);
-    }
-    let (spread, position) = (spread(&readings), position(&readings));
-    let of_means = noise(points, Weights { spread: &spread, position: &position })?;
-    let of_rows = noise(whole, Weights::default())?;
-    Some(((of_rows.sd / of_means.sd).ln() / typical.ln()).clamp(0.0, 0.5))
-}
-
-/// The usual number of readings in a point.
-pub(crate) fn typical(readings: &[usize]) -> f64 {
-    let mut sorted = readings.to_vec();
-    sorted.sort_unstable();
-    sorted.get(sorted.len() / 2).map_or(1.0, |r| *r as f64)
-}
-
-/// Sd of each point in units of that of a point with the usual number of readings: a point weighs as much as it has readings.
-/// So do points whose errors are shared, all of them in a stretch of the usual length together.
-pub(crate) fn spread(readings: &[usize]) -> Vec<f64> {
-    let typical = typical(readings);
-    readings.iter().map(|r| (*r as f64 / typical).powf(-0.5)).collect()
-}
-
-/// Readings of each point in units of the usual number.
-pub(crate) fn weights(readings: &[usize]) -> Vec<f64> {
-    let typical = typical(readings);
-    readings.iter().map(|r| *r as f64 / typical).collect()
-}
-
-/// Middle of each point, in units of the usual number of readings.
-pub(crate) fn position(readings: &[usize]) -> Vec<f64> {
-    let typical = typical(readings);
-    let mut before = 0.0;
-    readings
-        .iter()
-        .map(|r| {
-            let middle = (before + 0.5 * *r as f64) / typical;
-            before += *r as f64;
-            middle
         })
         .collect()
 }
