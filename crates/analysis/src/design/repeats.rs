@@ -36,11 +36,12 @@ gc_N_per_mm = 0.05
 sigma_c_MPa = 0.1
 "#;
 
-/// (promised, found) powers of some effects, each at the size that is seen with these powers.
-fn powers(effects: &[&str], promised: &[f64], repeats: usize) -> Vec<(String, f64, f64)> {
+/// (promised, found) powers of some effects, each at the size that is seen with these powers; on the strip with these
+/// divisions.
+fn powers(divisions: &str, effects: &[&str], promised: &[f64], repeats: usize) -> Vec<(String, f64, f64)> {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("c.toml");
-    std::fs::write(&file, STRIP).expect("written");
+    std::fs::write(&file, STRIP.replace("[10, 16, 1]", divisions)).expect("written");
     let catalogue = effects::catalogue();
     let case = Arc::new(input::read_case(&file, &catalogue).expect("a good file"));
     let go = || false;
@@ -95,7 +96,7 @@ fn share(table: &Table, linear: &Linear, truth: &nalgebra::DVector<f64>, name: &
 
 #[test]
 fn noisy_repeats_confirm_the_promised_power() {
-    for (name, promised, found) in powers(&["mullins"], &[0.7], 60) {
+    for (name, promised, found) in powers("[4, 6, 1]", &["mullins"], &[0.7], 60) {
         println!("{name}: promised {promised}, found {found}");
         // A share of 60 is known to 6 points.
         assert!((found - promised).abs() < 0.1 + 0.06, "{name}: promised {promised}, found {found}");
@@ -108,7 +109,7 @@ fn noisy_repeats_confirm_the_promised_power() {
 fn noisy_repeats_of_many_effects() {
     let names =
         ["viscoelastic", "mullins", "compliance", "slack", "grip_slip", "drift", "bridging", "prestretch"];
-    let found = powers(&names, &[0.5, 0.8], 300);
+    let found = powers("[10, 16, 1]", &names, &[0.5, 0.8], 300);
     for (name, promised, found) in &found {
         println!("{name}: promised {promised}, found {found:.2}");
     }

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 const MODEL: &str = r#"
 [mesh]
-divisions = [5, 8, 1]
+divisions = [4, 6, 1]
 [bulk]
 mu_kPa = 20.0
 k1_kPa = 400.0
