@@ -20,8 +20,6 @@ use std::sync::Arc;
 const AREAS: usize = 3;
 /// How much coarser than the given mesh; less where a strip is too small for that.
 const COARSEN: [f64; 3] = [4.0, 2.0, 1.0];
-/// Steps of a tearing and of a uniaxial test.
-const STEPS: (usize, usize) = (96, 48);
 /// Shares of the guessed strength that are tried until a run comes to the end of its records.
 const STRENGTHS: [f64; 4] = [1.0, 0.6, 1.6, 0.3];
 /// A parameter is known when its standard error is below this share of it.
@@ -93,12 +91,19 @@ pub(super) fn model_of(case: &Case, catalogue: &Catalogue) -> Result<(Model, Dis
     Err(last.map_or_else(|| AnalysisError::Case("no mesh".into()), AnalysisError::from))
 }
 
-/// Steps and tolerance of a look. Steps are short: what lies between two of them is interpolated, and an effect that the
-/// base nearly imitates is no larger than the error of long ones. They are the same for all models, with memory
-/// or without, or a fit would chase their difference.
-pub(super) fn options(case: &Case) -> RunOptions {
+/// Steps of a tearing and of a uniaxial test.
+pub(super) type Steps = (usize, usize);
+/// For a linear look: those of the screen.
+pub(super) const LOOK: Steps = (30, 14);
+/// For the full model: what lies between two steps is interpolated, and an effect that the base nearly imitates is no
+/// larger than the error of long ones.
+pub(super) const SHORT: Steps = (96, 48);
+
+/// Steps and tolerance of a look: the same steps for all models, with memory or without, or a fit would chase their
+/// difference.
+pub(super) fn options(case: &Case, steps: Steps) -> RunOptions {
     let mut o = crate::identify::run_options(case);
-    (o.tearing_steps, o.uniaxial_steps) = STEPS;
+    (o.tearing_steps, o.uniaxial_steps) = steps;
     o.follow_holds = true;
     o.march.newton.tolerance = o.march.newton.tolerance.max(crate::identify::SEARCH_TOLERANCE);
     o.march.budget = crate::identify::TRIAL_BUDGET;
@@ -108,7 +113,7 @@ pub(super) fn options(case: &Case) -> RunOptions {
 /// One run with the columns of a catalogue.
 pub(super) fn linear(
     model: &Model,
-    how: Discretisation,
+    (how, steps): (Discretisation, Steps),
     theta: &[f64],
     measured: Measured,
     catalogue: &Catalogue,
@@ -121,7 +126,7 @@ pub(super) fn linear(
         free: &free,
         catalogue,
         how,
-        options: options(&model.case),
+        options: options(&model.case, steps),
         slots: &measured.slots,
         warm: &[],
         cancelled,
@@ -252,7 +257,7 @@ pub(crate) fn foresight_of_records(
     let mut last = None;
     for share in STRENGTHS {
         let theta = with_strength(&model, &guess, share);
-        match linear(&model, how, &theta, measured.clone(), catalogue, cancelled) {
+        match linear(&model, (how, LOOK), &theta, measured.clone(), catalogue, cancelled) {
             Ok(linear) => return linear.foresight(catalogue, &policy, true),
             Err(e) if cancelled.stops() => return Err(e),
             Err(e) => last = Some(e),

@@ -5,7 +5,7 @@
 //! imitate along their way, shapes in a maximum and the shared false-discovery rate are then what they are. A search
 //! over the size finds where given powers stand.
 
-use super::engine::{Linear, linear, model_of, options};
+use super::engine::{Linear, SHORT, linear, model_of, options};
 use super::table::Table;
 use crate::columns::{case_with, config_of, transfer};
 use crate::identify::AnalysisError;
@@ -50,7 +50,7 @@ pub struct Confirmed {
     pub shape: Vec<(String, f64)>,
     /// Chance that the screen calls it significant at the plausible size.
     pub power: f64,
-    /// Least size found that is seen with 50, 80 and 90 % power; none where none was found.
+    /// Least size found that is seen with 50, 80 and 90 % power; none where none was found, or sizes were not asked.
     pub seen_at: [Option<f64>; 3],
     /// Sizes that were tried and their powers, the least first.
     pub tried: Vec<(f64, f64)>,
@@ -86,7 +86,7 @@ fn quantile(share: f64) -> f64 {
 
 /// A protocol, ready to be asked.
 pub(super) struct Full<'a> {
-    table: &'a Table<'a>,
+    table: Table<'a>,
     base: Model,
     how: Discretisation,
     linear: Linear,
@@ -94,7 +94,8 @@ pub(super) struct Full<'a> {
 
 impl<'a> Full<'a> {
     /// Load cell alone.
-    pub fn new(table: &'a Table<'a>, legs: &[Vec<Leg>], noise: &[f64]) -> Result<Self, AnalysisError> {
+    pub fn new(table: &Table<'a>, legs: &[Vec<Leg>], noise: &[f64]) -> Result<Self, AnalysisError> {
+        let table = Table { steps: SHORT, ..table.clone() };
         let (linear, planned) = table.look(table.planned(legs, noise, false), table.catalogue)?;
         let (base, how) = model_of(&planned, table.catalogue)?;
         Ok(Self { table, base, how, linear })
@@ -105,12 +106,12 @@ impl<'a> Full<'a> {
         Ok(self.linear.foresight(self.table.catalogue, &self.table.policy, false)?.effects)
     }
 
-    /// The power at the plausible size, and the sizes of some powers.
-    pub fn confirmed(&self, f: &Foreseen) -> Result<Confirmed, AnalysisError> {
+    /// The power at the plausible size, and, if `sizes`, the sizes of some powers.
+    pub fn confirmed(&self, f: &Foreseen, sizes: bool) -> Result<Confirmed, AnalysisError> {
         let mut search = Search { full: self, f, tried: Vec::new(), fitted: Vec::new() };
         let mut not = None;
         let mut share = Some(1.0);
-        for _ in 0..TRIALS {
+        for _ in 0..if sizes { TRIALS } else { 1 } {
             let Some(next) = share else { break };
             match search.try_at(next) {
                 Ok(()) => share = POWERS.iter().find_map(|p| search.next(*p)),
@@ -159,7 +160,7 @@ impl<'a> Full<'a> {
             }
         }
         let slots = &self.linear.measured.slots;
-        let options = options(&model.case);
+        let options = options(&model.case, SHORT);
         let problem = FeProblem::new(&model, theta, Vec::new(), slots, options, self.table.cancelled);
         Ok(problem.predict(&[], false)?.values)
     }
@@ -172,7 +173,7 @@ impl<'a> Full<'a> {
         }
         let (base, all) = (&self.base, self.linear.all().to_vec());
         let slots = &self.linear.measured.slots;
-        let options = options(&base.case);
+        let options = options(&base.case, SHORT);
         let problem = FeProblem::new(base, all, base.free(), slots, options, self.table.cancelled);
         let how_far = FitOptions { objective: Objective::Record, ..Default::default() };
         let mut best: Option<Fit> = None;
@@ -186,7 +187,7 @@ impl<'a> Full<'a> {
             }
         }
         let theta = best.map_or_else(|| self.linear.all().to_vec(), |b| problem.full(&b.theta));
-        linear(base, self.how, &theta, measured, self.table.catalogue, self.table.cancelled)
+        linear(base, (self.how, SHORT), &theta, measured, self.table.catalogue, self.table.cancelled)
     }
 
     /// Starts of a fit to a record with the effect at a size: the base without it, and the base fitted to the nearest size
@@ -242,12 +243,23 @@ impl Search<'_> {
         }
         let (first, last) = (all.first()?, all.last()?);
         let from = if first.1 >= z { first } else { last };
-        // The linear law says how much the quantile grows with the size, and where it is where the draws do not tell.
-        let least = self.f.least? / self.f.plausible;
-        let way = if told(from.1) { (z - from.1) / self.f.snr } else { least - from.0 };
+        // How much the quantile grows with the size: as between the two nearest that the draws tell, else by the linear law.
+        let known: Vec<&(f64, f64)> = all.iter().filter(|t| told(t.1)).collect();
+        let secant = match (known.as_slice(), first.1 >= z) {
+            ([a, b, ..], true) | ([.., a, b], false) => (b.1 - a.1) / (b.0 - a.0),
+            _ => self.f.snr,
+        };
+        let rising = if secant > 0.0 { secant } else { self.f.snr };
+        let stride = from.0 * STRIDE.powf((z - from.1).signum());
         let onward =
-            if way * (z - from.1) > 0.0 { from.0 + way } else { from.0 * STRIDE.powf((z - from.1).signum()) };
-        let share = if told(from.1) { onward.clamp(from.0 / STRIDE, from.0 * STRIDE) } else { onward };
+            if told(from.1) { from.0 + (z - from.1) / rising } else { self.f.least? / self.f.plausible };
+        let right = (onward - from.0) * (z - from.1) > 0.0;
+        // The linear law may stand anywhere; a step from a known size goes no farther than a stride.
+        let share = match (right, told(from.1)) {
+            (false, _) => stride,
+            (true, true) => onward.clamp(from.0 / STRIDE, from.0 * STRIDE),
+            (true, false) => onward,
+        };
         SHARES.contains(&share).then_some(share)
     }
 }

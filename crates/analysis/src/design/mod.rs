@@ -15,7 +15,7 @@ use crate::condensed;
 use crate::identify::AnalysisError;
 use crate::problem::Cancelled;
 use diagnose::{Foreseen, Policy};
-use engine::with_guess;
+use engine::{LOOK, with_guess};
 use full::Full;
 use input::{Case, Leg};
 use model::Catalogue;
@@ -40,6 +40,8 @@ pub struct DesignRequest {
     pub rivals: Option<[String; 2]>,
     /// The linear look alone; the proposed protocol is not asked of the full model.
     pub quick: bool,
+    /// The full model is also asked which sizes are seen with 50, 80 and 90 % power.
+    pub sizes: bool,
 }
 
 /// A protocol that was weighed: by a linear look at the model, and the proposed one by the full model too.
@@ -111,7 +113,7 @@ pub fn design(
         return Err(AnalysisError::Case(text));
     }
     let guess = Arc::new(with_guess(&condensed(case), catalogue)?);
-    let table = Table { case: guess, catalogue, cancelled, policy: Policy::default() };
+    let table = Table { case: guess, catalogue, cancelled, policy: Policy::default(), steps: LOOK };
     progress("how far a pull goes, and how large its force gets");
     let (pulls, peaks) = table.pulls()?;
     let noise = table.noise(&peaks, request.noise_n);
@@ -141,7 +143,7 @@ pub fn design(
         None => Vec::new(),
     };
     if !request.quick {
-        weighed[0].0.full = confirmed(&table, &weighed[0], &noise, progress)?;
+        weighed[0].0.full = confirmed(&table, &weighed[0], &noise, request.sizes, progress)?;
     }
     Ok(DesignAnswer {
         remarks: table.remarks(&peaks, &noise, request),
@@ -165,6 +167,7 @@ fn confirmed(
     table: &Table,
     (rated, legs): &(RatedProtocol, Vec<Vec<Leg>>),
     noise: &[f64],
+    sizes: bool,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Vec<Confirmed>, AnalysisError> {
     let full = Full::new(table, legs, noise)?;
@@ -172,7 +175,7 @@ fn confirmed(
     let mut out = Vec::new();
     for (k, f) in asked.iter().enumerate() {
         progress(&format!("{}, full model: {} ({} of {})", rated.words, f.effect, k + 1, asked.len()));
-        out.push(full.confirmed(f)?);
+        out.push(full.confirmed(f, sizes)?);
     }
     out.sort_by(|a, b| b.power.total_cmp(&a.power));
     Ok(out)

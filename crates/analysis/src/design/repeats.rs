@@ -1,6 +1,6 @@
 //! The power that a design promises is the share of noisy records on which the screen calls the effect.
 
-use super::engine::Linear;
+use super::engine::{LOOK, Linear};
 use super::full::{Full, seen_at};
 use super::program::PROGRAMS;
 use super::table::Table;
@@ -45,7 +45,7 @@ fn powers(divisions: &str, effects: &[&str], promised: &[f64], repeats: usize) -
     let catalogue = effects::catalogue();
     let case = Arc::new(input::read_case(&file, &catalogue).expect("a good file"));
     let go = || false;
-    let table = Table { case, catalogue: &catalogue, cancelled: &go, policy: Policy::default() };
+    let table = Table { case, catalogue: &catalogue, cancelled: &go, policy: Policy::default(), steps: LOOK };
     let (pulls, peaks) = table.pulls().expect("a run");
     let legs = PROGRAMS[3].within(&pulls, 3600.0).expect("within an hour");
     let full = Full::new(&table, &legs, &table.noise(&peaks, None)).expect("a look");
@@ -53,7 +53,7 @@ fn powers(divisions: &str, effects: &[&str], promised: &[f64], repeats: usize) -
     let mut out = Vec::new();
     for &name in effects {
         let f = foreseen.iter().find(|f| f.effect == name).expect("in the catalogue");
-        let confirmed = full.confirmed(f).expect("asked");
+        let confirmed = full.confirmed(f, true).expect("asked");
         println!("{name}: {}", said(f, &confirmed.tried));
         for &power in promised {
             let Some(size) = seen_at(&confirmed.tried, power) else {

@@ -1,6 +1,6 @@
 //! The tests of a case with protocols in them: how far they go, their noise, and a linear look at what they would show.
 
-use super::engine::{Linear, linear, model_of, options, with_strength};
+use super::engine::{Linear, Steps, linear, model_of, options, with_strength};
 use super::program::{Program, Pull, record, seconds};
 use super::{DesignRequest, RatedProtocol, Variant};
 use crate::Slot;
@@ -28,11 +28,13 @@ const FRONT_SD: f64 = 0.1;
 const STRENGTHS: [f64; 3] = [1.0, 0.7, 1.4];
 
 /// What a design is made with.
+#[derive(Clone)]
 pub(super) struct Table<'a> {
     pub case: Arc<Case>,
     pub catalogue: &'a Catalogue,
     pub cancelled: Cancelled<'a>,
     pub policy: Policy,
+    pub steps: Steps,
 }
 
 impl Table<'_> {
@@ -104,7 +106,7 @@ impl Table<'_> {
                 theta.clone(),
                 Vec::new(),
                 &slots,
-                options(&model.case),
+                options(&model.case, self.steps),
                 self.cancelled,
             );
             match problem.predict(&[], false) {
@@ -149,7 +151,7 @@ impl Table<'_> {
         }
         let (model, how): (Model, Discretisation) = model_of(&case, catalogue)?;
         let measured = Measured::of(&model, &model.recorded())?;
-        let linear = linear(&model, how, &theta, measured, catalogue, self.cancelled)?;
+        let linear = linear(&model, (how, self.steps), &theta, measured, catalogue, self.cancelled)?;
         Ok((linear, case))
     }
 

@@ -31,6 +31,9 @@ pub struct Arguments {
     /// The linear look alone: the proposed protocol is not asked of the full model
     #[arg(long)]
     pub quick: bool,
+    /// Ask the full model also which sizes are seen with 50, 80 and 90 % power; several times as long
+    #[arg(long, conflicts_with = "quick")]
+    pub sizes: bool,
 }
 
 /// A number above 0.
@@ -71,6 +74,7 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
         range_n: arguments.range_n,
         rivals: rivals.clone(),
         quick: arguments.quick,
+        sizes: arguments.sizes,
     };
     let progress = |text: &str| session.say(text);
     let cancelled = || session.cancelled();
