@@ -17,8 +17,11 @@ cut_mm = 1.0
 divisions = [4, 4, 1]
 ";
 
+/// A law, its keys, and parameters with truth and start.
+type Law = (&'static str, &'static str, &'static [(&'static str, f64, f64)]);
+
 /// The bulk of each law: truth (file unit), and start of the fit for what is free.
-const BULK: [(&str, &str, &[(&str, f64, f64)]); 6] = [
+const BULK: [Law; 6] = [
     ("hgo", "gamma_deg = 40.0\nkappa = 0.2\nk2 = 3.0\n", &[("mu_kPa", 12.0, 18.0), ("k1_kPa", 60.0, 40.0)]),
     ("neo_hooke", "", &[("mu_kPa", 30.0, 50.0)]),
     ("yeoh", "c3_kPa = 4.0\n", &[("c1_kPa", 10.0, 15.0), ("c2_kPa", 8.0, 4.0)]),
