@@ -90,8 +90,7 @@ fn tangents_and_energies_hold_on_every_law() {
                 let params = joined(&base, &own);
                 let steps = off_switches(stretching(2));
                 let trace = drive(&*outer, &params, &steps);
-                for s in 1..steps.len() {
-                    let ((ctx, f), old) = (&steps[s], &trace.history[s - 1]);
+                for (s, ((ctx, f), old)) in steps[1..].iter().zip(&trace.history).enumerate() {
                     let jets = tangent_by_jets_9(&*outer, ctx, f, &params, old, &mut old.clone());
                     if let Some(error) = testing::hand_tangent_error(&*outer, ctx, f, &params, old, jets) {
                         assert!(error < 1e-10, "{name}: step {s}: {error:e}");

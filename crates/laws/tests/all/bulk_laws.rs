@@ -125,10 +125,8 @@ proptest! {
             }
             let error = testing::tangent_error_9(&*law, &Context::default(), &f, &p, &[], 1e-6);
             prop_assert!(error < 2e-6, "{}: {}", name, error);
-            for i in 0..9 {
-                for j in 0..9 {
-                    prop_assert!((a[i][j] - a[j][i]).abs() < 1e-11 * stiffness, "{} is not symmetric", name);
-                }
+            for (i, j) in (0..9).flat_map(|i| (0..i).map(move |j| (i, j))) {
+                prop_assert!((a[i][j] - a[j][i]).abs() < 1e-11 * stiffness, "{} is not symmetric", name);
             }
         }
     }
@@ -299,13 +297,11 @@ fn held(what: &str, found: f64, exact: f64, worst: &mut f64) {
     *worst = worst.max(error);
 }
 
+/// A closed form by stretch, or by shear.
+type Form<'a> = &'a dyn Fn(f64) -> f64;
+
 /// Compares a law with its dΨ/dI1-type closed forms and prints the worst error.
-fn closed(
-    name: &str,
-    law: &dyn PointLaw<9>,
-    p: &Params,
-    forms: (&dyn Fn(f64) -> f64, &dyn Fn(f64) -> f64, &dyn Fn(f64) -> f64),
-) {
+fn closed(name: &str, law: &dyn PointLaw<9>, p: &Params, forms: (Form, Form, Form)) {
     let mut worst = 0.0;
     for stretch in [1.05, 1.15, 1.3, 1.5] {
         held(&format!("{name} uniaxial {stretch}"), uniaxial(law, p, stretch), forms.0(stretch), &mut worst);
