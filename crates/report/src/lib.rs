@@ -11,6 +11,7 @@ pub mod fields;
 pub mod figures;
 pub mod html;
 mod peek;
+mod probabilities;
 mod published;
 mod rundir;
 mod runs;
