@@ -82,15 +82,19 @@ mod tests {
         let size = RestSize { tau: 0.02, upsilon: 0.005, smooth_length: 0.2, jerk_length: 0.1 };
         let k = |i: usize, j: usize| size.covariance((i as f64 - j as f64).abs() / 60.0);
         let columns = pivoted_cholesky(60, k);
-        let (mut wrong, mut all) = (0.0f64, 0.0f64);
+        let (mut wrong, mut all, mut trace) = (0.0f64, 0.0f64, [0.0f64; 2]);
         for i in 0..60 {
             for j in 0..60 {
                 let sum: f64 = columns.iter().map(|c| c[i] * c[j]).sum();
-                wrong = wrong.max((sum - k(i, j)).abs());
-                all = all.max(k(i, j));
+                wrong += (sum - k(i, j)).powi(2);
+                all += k(i, j).powi(2);
             }
+            trace[0] += columns.iter().map(|c| c[i] * c[i]).sum::<f64>();
+            trace[1] += k(i, i);
         }
-        assert!(wrong < 0.05 * all && columns.len() < 60, "{wrong} of {all}, {} columns", columns.len());
+        assert!(wrong.sqrt() < LEFT_OUT * all.sqrt(), "{wrong} of {all}");
+        assert!(trace[0] <= trace[1] && trace[0] >= (1.0 - LEFT_OUT) * trace[1], "{trace:?}");
+        assert!(columns.len() < 30, "{}", columns.len());
         assert!(pivoted_cholesky(5, |_, _| 0.0).is_empty());
     }
 }
