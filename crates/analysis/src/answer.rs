@@ -6,7 +6,6 @@ use crate::identify::AnalysisError;
 use crate::journal::Journal;
 use crate::ladder::{FeLadder, How, NextTest};
 use crate::parsimony::OneStrength;
-use crate::probable::Probable;
 use crate::problem::Cancelled;
 use diagnose::{Finding, Policy, Rung, Screen, Verdict};
 use input::{Case, EffectConfig};
@@ -93,9 +92,6 @@ pub struct DiscoverAnswer {
     pub verdict: String,
     /// The verdict as sentences.
     pub words: Vec<String>,
-    /// How probable each set of effects is, and how much is left; `None` where no number could be given.
-    #[serde(flatten)]
-    pub probable: Option<Probable>,
     /// Where the base model fails.
     #[serde(rename = "where")]
     pub place: Vec<Where>,
@@ -213,10 +209,7 @@ pub fn diagnose(
     );
     let group = |f: &&Finding| std::iter::once(f.effect.clone()).chain(f.look_alikes.clone()).collect();
     let answer = answer(&ladder, &screen, start, &policy);
-    let probable = ladder.probable().ok();
-    words.extend(probable.iter().map(Probable::sentence));
     Ok(DiscoverAnswer {
-        probable,
         found: called.first().map(|f| vec![f.effect.clone()]).unwrap_or_default(),
         groups: called.first().map(|f| vec![group(f)]).unwrap_or_default(),
         verdict: verdict.to_owned(),
@@ -238,7 +231,6 @@ fn answer(ladder: &FeLadder, screen: &Screen, start: Instant, policy: &Policy) -
         groups: Vec::new(),
         verdict: String::new(),
         words: Vec::new(),
-        probable: None,
         place: compare::places(&compare::residuals_of(ladder)),
         one_strength: None,
         next_test: None,
@@ -265,11 +257,8 @@ pub fn discover(
         FeLadder::new(case, How { catalogue, policy: policy.clone(), progress, cancelled, journal })?;
     let d = ladder.search()?;
     let answer = answer(&ladder, &d.screen, start, &policy);
-    let probable = ladder.probable().ok();
-    let mut words = vec![diagnose::words::verdict(&d, &policy)];
-    words.extend(probable.iter().map(Probable::sentence));
+    let words = vec![diagnose::words::verdict(&d, &policy)];
     Ok(DiscoverAnswer {
-        probable,
         ladder: d.ladder.iter().map(|r| ladder_row(&ladder, r)).collect(),
         found: d.found.clone(),
         groups: d.groups.clone(),

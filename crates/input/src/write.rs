@@ -290,7 +290,6 @@ fn identify(w: &mut Writer, i: &IdentifyConfig) {
 fn diagnose(w: &mut Writer, d: &DiagnoseConfig) {
     w.header("[diagnose]");
     w.number("rest", Quantity::Dimensionless, d.rest);
-    w.number("expected_effects", Quantity::Dimensionless, d.expected_effects);
     w.number("practice", Quantity::Dimensionless, d.practice);
 }
 

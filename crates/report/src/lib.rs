@@ -11,7 +11,6 @@ pub mod fields;
 pub mod figures;
 pub mod html;
 mod peek;
-mod probabilities;
 mod published;
 mod rundir;
 mod runs;

@@ -152,12 +152,6 @@ fn run(b: &mut Builder) {
             "what a complete model of such a test leaves unexplained, share of the peak force",
         )
         .key(
-            "expected_effects",
-            share(1e-3, 4.0),
-            Fallback::Number(DiagnoseConfig::default().expected_effects),
-            "how many effects of the catalogue are expected to act",
-        )
-        .key(
             "practice",
             share(1e-4, 0.5),
             Fallback::Number(DiagnoseConfig::default().practice),

@@ -31,11 +31,7 @@ pub(crate) fn identify(s: &Section<'_>, priors: PriorsConfig) -> IdentifyConfig 
 /// `[diagnose]`
 pub(crate) fn diagnose(top: &Section<'_>) -> DiagnoseConfig {
     let s = subsection(top, "diagnose");
-    DiagnoseConfig {
-        rest: s.number("rest"),
-        expected_effects: s.number("expected_effects"),
-        practice: s.number("practice"),
-    }
+    DiagnoseConfig { rest: s.number("rest"), practice: s.number("practice") }
 }
 
 /// `[solver]`

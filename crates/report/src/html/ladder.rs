@@ -5,7 +5,6 @@ use super::view::{Rung, View};
 use super::{Cell, escape, per_rung, share_class, table};
 use crate::answer::IdentifyAnswer;
 use crate::peek::{list, number, rows, text, yes};
-use crate::probabilities::{Probability, percent, probabilities, range};
 use crate::terminal::{called as called_words, known, mean_sd, p_value, significant};
 use analysis::Residuals;
 use serde_json::Value;
@@ -90,38 +89,9 @@ fn ladder_table(v: &View) -> String {
     table(&header, rows)
 }
 
-/// Posterior probabilities as bars.
-fn probable(d: &Value) -> String {
-    let all = probabilities(d);
-    if all.is_empty() {
-        return String::new();
-    }
-    let line = |p: &Probability| {
-        format!(
-            "<tr><td><b>{}</b></td><td><span class=\"fall\"><span class=\"{}\"></span></span> {}</td><td>{}</td></tr>\n",
-            escape(&p.name),
-            share_class(p.value),
-            escape(&percent(p.value)),
-            escape(&range(p))
-        )
-    };
-    let lines: String = all.iter().map(line).collect();
-    format!(
-        "<section id=\"probable\"><h2>How probable is it that this is missing?</h2>\n<p class=\"muted\">Posterior probability of \
-         each effect, of nothing, and of something that the catalogue does not hold; and its range where effects, or what a \
-         complete model leaves, are expected half or twice as large. Models that were fitted count with their fit, all others \
-         with their derivatives at one that was.</p>\n<div class=\"scroll\"><table class=\"effects\"><thead><tr><th></th>\
-         <th>probability</th><th>under other priors</th></tr></thead><tbody>\n{lines}</tbody></table></div></section>\n"
-    )
-}
-
 /// The ranked catalogue.
 pub fn effects(v: &View) -> String {
     let Some(d) = &v.diagnosis else { return String::new() };
-    probable(d) + &ranked(d)
-}
-
-fn ranked(d: &Value) -> String {
     let screen = rows(d, "screen");
     if screen.is_empty() {
         return String::new();

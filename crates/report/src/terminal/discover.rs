@@ -2,7 +2,6 @@
 
 use super::{Style, significant, table, wrap};
 use crate::peek::{groups, list, number, rows, text, yes};
-use crate::probabilities::{Probability, percent, probabilities, range};
 use input::visible;
 use serde_json::Value;
 use std::fmt::Write;
@@ -47,11 +46,6 @@ pub fn discover(answer: &Value, style: Style) -> String {
         let _ = writeln!(out, "{}", style.notice("The records are synthetic, not measured."));
     }
     sentences(&mut out, &list(answer, "words"), style);
-    let likely = probabilities(answer);
-    if !likely.is_empty() {
-        let head = style.bold("How probable is it that this is missing?");
-        let _ = writeln!(out, "\n{head}\n{}", probable(&likely, style));
-    }
     if !rows(answer, "ladder").is_empty() {
         let _ = writeln!(out, "\n{}\n{}", style.bold("Ladder"), ladder(rows(answer, "ladder"), style));
     }
@@ -66,14 +60,6 @@ pub fn discover(answer: &Value, style: Style) -> String {
         let _ = writeln!(out, "\n{}", wrap(&line, style.width, 0));
     }
     out
-}
-
-fn probable(all: &[Probability], style: Style) -> String {
-    let lines = all.iter().map(|p| {
-        let bar = "█".repeat((p.value * BAR).round() as usize);
-        vec![p.name.clone(), percent(p.value), bar, range(p)]
-    });
-    table(style, &["", "probability", "", "under other priors"], &[0, 2, 3], lines.collect())
 }
 
 /// What the columns of a screen mean.
