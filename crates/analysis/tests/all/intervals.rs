@@ -78,12 +78,17 @@ fn arms_of_a_strength_follow_what_the_mesh_can_tell() {
         .map(|k| {
             let (f, e) = (&found.frees[k], &found.uncertainty.estimates[k]);
             let sd = found.uncertainty.covariance_z[(k, k)].sqrt();
-            e.interval_95.map(|end| (f.forward(end) - f.forward(e.value)).abs() / (Z95 * sd))
+            e.interval_95_if_right.map(|end| (f.forward(end) - f.forward(e.value)).abs() / (Z95 * sd))
         })
         .collect();
     println!("{arms:.3?}");
+    for e in &found.uncertainty.estimates {
+        // Allowing for the rest takes nothing away.
+        let [a, b] = e.interval_95_if_right;
+        assert!(e.interval_95[0] <= a && b <= e.interval_95[1], "{e:?}");
+    }
     for ((f, arm), e) in found.frees.iter().zip(&arms).zip(&found.uncertainty.estimates) {
-        for (a, end) in arm.iter().zip(e.interval_95) {
+        for (a, end) in arm.iter().zip(e.interval_95_if_right) {
             // Bounds cut.
             let cut = end <= f.lower || end >= f.upper;
             assert!(cut || (1.0 - 1e-9..=2.0 + 1e-9).contains(a), "{} {arm:?}", f.path);
