@@ -121,6 +121,11 @@ semver revision="HEAD~1":
 hostile:
     FCT_HOSTILE=all cargo test -p fct-cli -- hostile:: command_lines:: --nocapture
     FCT_ALL=1 cargo test -p workspace-tests every_number:: -- --nocapture
+
+# What `fct check` promises of the practice records beside this repository, beside what `discover` found (docs/reliability.md).
+doctor-practice:
+    cargo run --release -p workspace-tests --example doctor_practice -- ../shared/practice
+
 # The power that `fct design` promises against noisy repeats, effect by effect; and long records with jitter (minutes each).
 design-power:
     cargo test -p analysis --lib repeats -- --ignored --nocapture

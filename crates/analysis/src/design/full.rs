@@ -50,7 +50,7 @@ pub struct Confirmed {
     pub shape: Vec<(String, f64)>,
     /// Chance that the screen calls it significant at the plausible size.
     pub power: f64,
-    /// Least size found that is seen with 50, 80 and 90 % power; none where none was found, or sizes were not asked.
+    /// Least size found that is seen with 50, 80 and 90 % power; none where none was found.
     pub seen_at: [Option<f64>; 3],
     /// Sizes that were tried and their powers, the least first.
     pub tried: Vec<(f64, f64)>,
@@ -106,12 +106,12 @@ impl<'a> Full<'a> {
         Ok(self.linear.foresight(self.table.catalogue, &self.table.policy, false)?.effects)
     }
 
-    /// The power at the plausible size, and, if `sizes`, the sizes of some powers.
-    pub fn confirmed(&self, f: &Foreseen, sizes: bool) -> Result<Confirmed, AnalysisError> {
+    /// The power at the plausible size, and the sizes of some powers.
+    pub fn confirmed(&self, f: &Foreseen) -> Result<Confirmed, AnalysisError> {
         let mut search = Search { full: self, f, tried: Vec::new(), fitted: Vec::new() };
         let mut not = None;
         let mut share = Some(1.0);
-        for _ in 0..if sizes { TRIALS } else { 1 } {
+        for _ in 0..TRIALS {
             let Some(next) = share else { break };
             match search.try_at(next) {
                 Ok(()) => share = POWERS.iter().find_map(|p| search.next(*p)),

@@ -53,7 +53,7 @@ fn powers(divisions: &str, effects: &[&str], promised: &[f64], repeats: usize) -
     let mut out = Vec::new();
     for &name in effects {
         let f = foreseen.iter().find(|f| f.effect == name).expect("in the catalogue");
-        let confirmed = full.confirmed(f, true).expect("asked");
+        let confirmed = full.confirmed(f).expect("asked");
         println!("{name}: {}", said(f, &confirmed.tried));
         for &power in promised {
             let Some(size) = seen_at(&confirmed.tried, power) else {
