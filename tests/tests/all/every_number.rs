@@ -2,7 +2,7 @@
 //! ends in a fault with file and line, or in a model; and a sample of what is accepted in a run that ends.
 //! `FCT_ALL=1` runs all of it.
 
-use input::{Case, Key, Kind, keys};
+use input::{Case, Key, Kind, LawSite, keys, keys_of_law};
 use model::cost::Purpose;
 use model::{Discretisation, Model};
 use std::collections::BTreeMap;
@@ -80,7 +80,9 @@ fn record() -> String {
 fn files() -> Vec<(String, String)> {
     let mut out = Vec::new();
     let catalogue = effects::catalogue();
-    for key in keys() {
+    let of_laws = [(LawSite::Bulk, "hgo"), (LawSite::Interface, "exponential")];
+    let of_laws = of_laws.map(|(site, law)| keys_of_law(&catalogue, site, law));
+    for key in keys().iter().chain(of_laws.iter().flatten()) {
         let section = key.section.to_string();
         for text in values(&key.kind) {
             if section == "tests.protocol" {

@@ -29,9 +29,6 @@ const UNEXPLAINED: f64 = 1.5;
 /// the fits of a search begin where one trial in two is the bent one, so fewer hardly damp them.
 const TRIALS: usize = 10;
 
-/// Three steps in a row that lower χ² by less than this end a fit: half of what one parameter is worth by chance.
-const INSIGNIFICANT: f64 = 0.5;
-
 /// Reduced χ² beyond which a model is far from the record.
 pub(super) const FAR: f64 = 3.0;
 
@@ -92,8 +89,6 @@ impl FeLadder<'_> {
         let fine = Model::new(Arc::new(case), self.catalogue, Discretisation::default())?;
         let theta = transfer(&f.model, &f.theta, &fine);
         let mut options = run_options(&self.case);
-        (options.tearing_steps, options.uniaxial_steps) =
-            (self.options.tearing_steps, self.options.uniaxial_steps);
         // A run that struggles on the finer mesh is not worth waiting for.
         options.march.budget = 2 * crate::identify::TRIAL_BUDGET;
         // As in the search: far below what the mesh does.
@@ -193,7 +188,6 @@ impl FeLadder<'_> {
                 initial_damping: 1e-2,
                 // A rejected trial needs none, and derivatives cost as much as a run.
                 jacobian_with_trial: false,
-                insignificant: INSIGNIFICANT,
                 max_step: 0.7,
                 ..FitOptions::default()
             };

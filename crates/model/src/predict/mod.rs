@@ -34,7 +34,7 @@ pub struct RunOptions {
 
 impl Default for RunOptions {
     fn default() -> Self {
-        Self { march: MarchOptions::default(), tearing_steps: 24, uniaxial_steps: 12, follow_holds: false }
+        Self { march: MarchOptions::default(), tearing_steps: 48, uniaxial_steps: 20, follow_holds: false }
     }
 }
 
