@@ -50,6 +50,7 @@ pub struct Foresight {
 }
 
 /// A linearised model on records.
+#[derive(Clone)]
 pub(super) struct Linear {
     pub prediction: Prediction,
     pub candidates: Vec<Candidate>,
@@ -170,6 +171,27 @@ impl Linear {
         Whitened::new(&data, &self.frees, &self.theta, &self.prediction, Noise::Record)
     }
 
+    /// Parameters that stand at a bound.
+    pub fn at_bound(&self) -> Vec<bool> {
+        self.frees.iter().zip(&self.theta).map(|(f, t)| f.at_bound(*t)).collect()
+    }
+
+    /// The same model with another record.
+    #[cfg(test)]
+    pub fn with_record(&self, record: &DVector<f64>) -> Self {
+        let mut out = self.clone();
+        measure(&mut out.measured, record);
+        out
+    }
+
+    /// What the screen says of the record.
+    #[cfg(test)]
+    pub fn screened(&self) -> Result<diagnose::Screen, AnalysisError> {
+        let points = self.measured.data.points();
+        diagnose::screen(&self.misfit(), &self.at_bound(), &self.candidates, points, &Policy::default())
+            .map_err(|e| AnalysisError::Case(e.to_string()))
+    }
+
     pub fn foresight(
         &self,
         catalogue: &Catalogue,
@@ -223,6 +245,13 @@ impl Linear {
             truth.iter().map(one).filter(|l| l.is_finite()).fold(0.0, f64::max)
         };
         power(chance(&a, &b).min(chance(&b, &a)), policy.separate_chi2)
+    }
+}
+
+/// Puts a record in the place of what was measured.
+pub(super) fn measure(measured: &mut Measured, record: &DVector<f64>) {
+    for block in &mut measured.data.blocks {
+        block.measured = record.rows(block.range.start, block.range.len()).iter().copied().collect();
     }
 }
 

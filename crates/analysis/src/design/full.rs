@@ -5,7 +5,7 @@
 //! imitate along their way, shapes in a maximum and the shared false-discovery rate are then what they are. A search
 //! over the size finds where given powers stand.
 
-use super::engine::{Linear, SHORT, linear, model_of, options};
+use super::engine::{Linear, SHORT, linear, measure, model_of, options};
 use super::table::Table;
 use crate::columns::{case_with, config_of, transfer};
 use crate::identify::AnalysisError;
@@ -163,9 +163,7 @@ impl<'a> Full<'a> {
     /// The base fitted to a record, the best from several starts, and what a screen computes there.
     pub fn refitted(&self, truth: &DVector<f64>, starts: &[Vec<f64>]) -> Result<Linear, AnalysisError> {
         let mut measured = self.linear.measured.clone();
-        for block in &mut measured.data.blocks {
-            block.measured = truth.rows(block.range.start, block.range.len()).iter().copied().collect();
-        }
+        measure(&mut measured, truth);
         let (base, all) = (&self.base, self.linear.all().to_vec());
         let slots = &self.linear.measured.slots;
         let options = options(&base.case, SHORT);
@@ -193,11 +191,22 @@ impl<'a> Full<'a> {
         [self.linear.base().1.to_vec()].into_iter().chain(near.map(|n| n.1.clone())).collect()
     }
 
+    /// What the records would read without an effect, and the base's values.
+    #[cfg(test)]
+    pub fn without(&self) -> (DVector<f64>, Vec<f64>) {
+        (self.linear.prediction.values.clone(), self.linear.base().1.to_vec())
+    }
+
+    /// Noise of a record.
+    #[cfg(test)]
+    pub fn noise(&self, random: &mut inverse::Random) -> DVector<f64> {
+        self.linear.measured.data.simulate_noise(random)
+    }
+
     fn chance(&self, linear: &Linear, effect: &str) -> Result<f64, AnalysisError> {
-        let (frees, theta) = linear.base();
-        let at_bound: Vec<bool> = frees.iter().zip(theta).map(|(f, t)| f.at_bound(*t)).collect();
-        let found = chances(&linear.misfit(), &at_bound, &linear.candidates, DRAWS, &self.table.policy)
-            .map_err(|e| AnalysisError::Case(e.to_string()))?;
+        let found =
+            chances(&linear.misfit(), &linear.at_bound(), &linear.candidates, DRAWS, &self.table.policy)
+                .map_err(|e| AnalysisError::Case(e.to_string()))?;
         Ok(found.iter().find(|c: &&Chance| c.effect == effect).map_or(0.0, |c| c.called))
     }
 }
