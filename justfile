@@ -126,9 +126,10 @@ hostile:
 doctor-practice:
     cargo run --release -p workspace-tests --example doctor_practice -- ../shared/practice
 
-# The power that `fct design` promises against noisy repeats, effect by effect; and long records with jitter (minutes each).
+# The power and the standard errors that `fct design` promises, against noisy repeats (docs/reliability.md). Six minutes; `FCT_REPEATS=300` for more draws.
 design-power:
-    cargo test -p analysis --lib repeats -- --ignored --nocapture
+    cargo test --workspace --lib design::repeats:: -- --ignored --nocapture --test-threads 1
 
+# Records of 20,000 and 200,000 rows with jitter against 400 clean ones: times and values.
 long-records:
-    cargo test -p analysis sampling:: -- --ignored --nocapture
+    cargo test --workspace --test all sampling:: -- --ignored --nocapture

@@ -2,6 +2,7 @@
 
 mod engine;
 mod full;
+mod guess;
 mod program;
 #[cfg(test)]
 mod repeats;
@@ -15,8 +16,9 @@ use crate::condensed;
 use crate::identify::AnalysisError;
 use crate::problem::Cancelled;
 use diagnose::{Foreseen, Policy};
-use engine::{LOOK, with_guess};
+use engine::LOOK;
 use full::Full;
+use guess::with_guess;
 use input::{Case, Leg};
 use model::Catalogue;
 use program::PROGRAMS;

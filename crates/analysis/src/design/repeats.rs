@@ -10,6 +10,7 @@ use super::full::{Confirmed, Full};
 use super::table::Table;
 use super::{DesignAnswer, DesignRequest, design};
 use crate::identify::AnalysisError;
+use diagnose::tails::{normal_isf, normal_sf};
 use diagnose::{Foreseen, Policy, Screen};
 use input::Case;
 use inverse::Random;
@@ -42,8 +43,8 @@ gc_N_per_mm = 0.104
 sigma_c_MPa = 0.067
 "#;
 
-/// Powers whose sizes are repeated.
-const WANTED: [f64; 2] = [0.5, 0.8];
+/// Power whose size is repeated: there a promise has most to lose.
+const WANTED: f64 = 0.5;
 /// Largest difference of a promise from its repeats.
 const WITHIN: f64 = 0.1;
 
@@ -76,17 +77,12 @@ fn with_proposal<T>(then: impl Fn(&Full, &DesignAnswer) -> T) -> T {
     then(&Full::new(&table, &legs, &noise).expect("a look"), &answer)
 }
 
-/// Repeats of an effect at the tried sizes whose powers are nearest to the wanted ones.
-fn repeated(full: &Full, f: &Foreseen, asked: &Confirmed, wanted: &[f64], draws: usize) -> Vec<Repeated> {
-    let nearest = |p: &f64| {
-        let far = |t: &&(f64, f64)| (t.1 - p).abs();
-        asked.tried.iter().min_by(|a, b| far(a).total_cmp(&far(b))).copied()
-    };
-    let of = |(size, promised): (f64, f64)| {
-        let [ruled, called] = calls(full, f, asked, size, draws).expect("runs");
-        Repeated { effect: f.effect.clone(), size: size / f.plausible, promised, draws, ruled, called }
-    };
-    wanted.iter().filter_map(nearest).map(of).collect()
+/// Repeats of an effect at the tried size whose power is nearest to one half.
+fn repeated(full: &Full, f: &Foreseen, asked: &Confirmed, draws: usize) -> Option<Repeated> {
+    let far = |t: &&(f64, f64)| (t.1 - WANTED).abs();
+    let (size, promised) = asked.tried.iter().min_by(|a, b| far(a).total_cmp(&far(b))).copied()?;
+    let [ruled, called] = calls(full, f, asked, size, draws).expect("runs");
+    Some(Repeated { effect: f.effect.clone(), size: size / f.plausible, promised, draws, ruled, called })
 }
 
 /// How many draws are called by the promise's rule, and by repeats.
@@ -111,24 +107,25 @@ fn calls(
     Ok(out)
 }
 
+/// Power of the linear look at a share of the plausible size.
+fn linear(f: &Foreseen, share: f64) -> f64 {
+    let critical = f.least.map_or(f64::INFINITY, |least| f.snr * least / f.plausible + normal_isf(0.9));
+    normal_sf(critical - share * f.snr)
+}
+
 fn print(r: &Repeated, f: &Foreseen, asked: &Confirmed) {
+    let percent = |p: f64| format!("{:.0} %", 100.0 * p);
+    let plausible = [f.power, asked.power].map(percent).join(" | ");
+    let at_size = [linear(f, r.size), r.promised].map(percent).join(" | ");
     println!(
-        "| {} | {:.0} % | {:.0} % | {:.3} | {:.0} % | {} | {} of {} |",
-        r.effect,
-        100.0 * f.power,
-        100.0 * asked.power,
-        r.size,
-        100.0 * r.promised,
-        r.ruled,
-        r.called,
-        r.draws
+        "| {} | {plausible} | {:.3} | {at_size} | {} | {} of {} |",
+        r.effect, r.size, r.ruled, r.called, r.draws
     );
 }
 
-/// Share by which repeats differ from the promise's rule, over all sizes of an effect.
-fn difference(of: &[Repeated]) -> f64 {
-    let sum = |count: fn(&Repeated) -> usize| of.iter().map(count).sum::<usize>() as f64;
-    (sum(|r| r.called) - sum(|r| r.ruled)) / sum(|r| r.draws)
+/// Share of the draws by which repeats differ from the promise's rule.
+fn difference(r: &Repeated) -> f64 {
+    (r.called as f64 - r.ruled as f64) / r.draws as f64
 }
 
 #[test]
@@ -137,12 +134,16 @@ fn noisy_repeats_confirm_the_promised_power() {
         let foreseen = full.foreseen().expect("a foresight");
         let f = foreseen.iter().find(|f| f.effect == "mullins").expect("in the catalogue");
         let asked = full.confirmed(f).expect("asked");
-        let of = repeated(full, f, &asked, &WANTED[..1], 20);
-        of.iter().for_each(|r| print(r, f, &asked));
-        let [r] = of.as_slice() else { panic!("one size, not {}", of.len()) };
+        let r = repeated(full, f, &asked, 20).expect("a size");
+        print(&r, f, &asked);
         assert!((0.4..0.6).contains(&r.promised), "no size has a power near one half: {:?}", asked.tried);
-        assert!(difference(&of).abs() <= WITHIN, "{} and {} of {}", r.ruled, r.called, r.draws);
+        assert!(difference(&r).abs() <= WITHIN, "{} and {} of {}", r.ruled, r.called, r.draws);
     });
+}
+
+/// How many draws: `FCT_REPEATS`, or thirty.
+fn draws() -> usize {
+    std::env::var("FCT_REPEATS").ok().and_then(|n| n.parse().ok()).unwrap_or(30)
 }
 
 /// `just design-power`
@@ -151,24 +152,24 @@ fn noisy_repeats_confirm_the_promised_power() {
 fn noisy_repeats_of_many_effects() {
     let names =
         ["viscoelastic", "mullins", "compliance", "slack", "grip_slip", "drift", "bridging", "prestretch"];
-    println!("| effect | linear, plausible | full, plausible | size | promised | its rule | repeats |");
-    let differences = with_proposal(|full, _| {
+    println!(
+        "| effect | linear, plausible | full, plausible | size | linear | promised | its rule | repeats |"
+    );
+    let repeats = with_proposal(|full, _| {
         let foreseen = full.foreseen().expect("a foresight");
         let mut out = Vec::new();
         for f in foreseen.iter().filter(|f| names.contains(&f.effect.as_str())) {
             let asked = full.confirmed(f).expect("asked");
-            let of = repeated(full, f, &asked, &WANTED, 50);
-            of.iter().for_each(|r| print(r, f, &asked));
-            out.push((f.effect.clone(), asked.not, difference(&of)));
+            let r = repeated(full, f, &asked, draws());
+            r.iter().for_each(|r| print(r, f, &asked));
+            asked.not.iter().for_each(|why| println!("{}: {why}", f.effect));
+            out.extend(r);
         }
         out
     });
-    assert_eq!(differences.len(), names.len());
-    for (effect, not, d) in &differences {
-        println!("{effect}: {:+.0} points {}", 100.0 * d, not.as_deref().unwrap_or_default());
-    }
-    for (effect, _, d) in &differences {
-        assert!(d.abs() <= WITHIN, "{effect}: {d:+.2}");
+    assert_eq!(repeats.len(), names.len());
+    for r in &repeats {
+        assert!(difference(r).abs() <= WITHIN, "{}: {:+.2}", r.effect, difference(r));
     }
 }
 
@@ -177,7 +178,7 @@ fn noisy_repeats_of_many_effects() {
 #[ignore = "many repeats: minutes"]
 fn noisy_repeats_scatter_as_promised() {
     with_proposal(|full, answer| {
-        let draws = 60;
+        let draws = draws();
         let (truth, start) = full.without();
         let mut random = Random::new(32);
         let mut fits = Vec::new();
@@ -196,7 +197,9 @@ fn noisy_repeats_scatter_as_promised() {
             let mean = fits.iter().map(|t| t[k]).sum::<f64>() / draws as f64;
             let square = fits.iter().map(|t| (t[k] - mean).powi(2)).sum::<f64>() / (draws - 1) as f64;
             let (promised, found) = (known.relative_error, square.sqrt() / known.value);
-            println!("| {} | {:.1} % | {:.1} % |", known.path, 100.0 * promised, 100.0 * found);
+            println!("| {} | {:.2} % | {:.2} % |", known.path, 100.0 * promised, 100.0 * found);
+            // Thirty draws tell a scatter to 13 %.
+            assert!((0.6..1.4).contains(&(found / promised)), "{}: {promised}, {found}", known.path);
         }
     });
 }
