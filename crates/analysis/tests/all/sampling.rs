@@ -90,7 +90,7 @@ fn identified(folder: &Path, truth: &[Vec<[f64; 3]>], n: usize, jitter: f64) -> 
     let found = identify(case, &effects::catalogue(), &control).unwrap_or_else(|e| panic!("{n} rows: {e}"));
     let all = clock.elapsed().as_secs_f64();
     println!(
-        "{n} rows, jitter {jitter}: {all:.2} s, {reading:.2} of them to read; {} runs",
+        "{n} rows, jitter {jitter}: {all:.2} CPU s, {reading:.2} of them to read; {} runs",
         found.forward_runs
     );
     found
