@@ -126,7 +126,7 @@ hostile:
 doctor-practice:
     cargo run --release -p workspace-tests --example doctor_practice -- ../shared/practice
 
-# The power and the standard errors that `fct design` promises, against noisy repeats (docs/reliability.md). Six minutes; `FCT_REPEATS=300` for more draws.
+# The power and the standard errors that `fct design` promises, against noisy repeats (docs/reliability.md). Seven minutes; `FCT_REPEATS=300` for more draws.
 design-power:
     cargo test --workspace --lib design::repeats:: -- --ignored --nocapture --test-threads 1
 
