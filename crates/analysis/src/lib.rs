@@ -21,6 +21,7 @@ mod reach;
 mod simulate;
 mod start;
 mod strip;
+mod weigh;
 
 pub use answer::{DiscoverAnswer, LadderRow, ScreenRow, diagnose, discover};
 pub use columns::{Base, Screened, scales};
@@ -42,7 +43,7 @@ pub use journal::{Journal, NoJournal};
 pub use ladder::{FeLadder, Fitted, How, NextTest, Tried};
 pub use needs::{Need, needs};
 pub use parsimony::{OneStrength, one_strength};
-pub use probable::{Probable, Weighed, probable};
+pub use probable::{Brief, Left, PosteriorAnswer, Probable};
 pub use problem::{Cancelled, FeProblem};
 pub use simulate::{SimulateControl, Simulated, SimulatedTest, replay, simulate};
 pub use start::start_at;

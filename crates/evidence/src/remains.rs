@@ -7,11 +7,11 @@ use crate::record::Record;
 use crate::rest::RestPrior;
 use inverse::Random;
 use nalgebra::DVector;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// A share of the peak with its interval.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Share {
     /// Median of the root mean square of the rest, share of the peak.
     pub share_of_peak: f64,
@@ -20,7 +20,7 @@ pub struct Share {
 }
 
 /// What a model leaves unexplained beyond noise.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Remains {
     /// Over all tests.
     #[serde(flatten)]
@@ -33,7 +33,7 @@ pub struct Remains {
 }
 
 /// What a record is explained to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ExplainedTo {
     /// Noise (and the mesh) explain what is left.
