@@ -31,7 +31,9 @@ pub use compare::{
 pub use condense::condensed;
 pub use cost::{Meter, Metered, Phase, PhaseCost, Watch, Within};
 pub use data::{Measured, RecordError, Slot};
-pub use design::{Confirmed, DesignAnswer, DesignRequest, Foresight, Known, RatedProtocol, Variant, design};
+pub use design::{
+    Asked, Confirmed, DesignAnswer, DesignRequest, Foresight, Known, RatedProtocol, Variant, design,
+};
 pub use doctor::{Advice, Doctor, RecordFindings, doctor};
 pub use held_out::HeldOut;
 pub use identify::{
