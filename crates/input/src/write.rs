@@ -273,6 +273,9 @@ fn identify(w: &mut Writer, i: &IdentifyConfig) {
         Some(on) if i.priors.given.is_empty() => w.line("priors", &on.to_string()),
         None => {
             let _ = writeln!(w.out, "# priors: off to identify, on to diagnose");
+            if !i.priors.given.is_empty() {
+                w.header("[identify.prior]");
+            }
         }
         Some(on) => {
             w.header("[identify.priors]");

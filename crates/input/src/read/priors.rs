@@ -140,7 +140,10 @@ fn prior(context: Context<'_>, written: &str, item: &Item<'_>, factor: f64, key:
     if prior.mean == 0.0 {
         s.fault(
             middle,
-            format!("`{middle}` is 0; expected another number, since {spread} is relative to it"),
+            format!(
+                "`{middle}` is 0; expected another number, since {spread} is {}",
+                if by_factor { "relative to it" } else { "a share of it" }
+            ),
         );
     }
     (prior.mean.is_finite() && prior.relative_sd.is_finite()).then_some(prior)
