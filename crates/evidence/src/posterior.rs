@@ -84,12 +84,7 @@ impl Judged {
 
     /// Another set that was fitted: this one's evidence and what it has more.
     pub fn with_effects(&self, effects: &[String], more: f64) -> Self {
-        Self { effects: effects.to_vec(), fitted: true, ..self.clone() }.predicted(more).as_fitted()
-    }
-
-    const fn as_fitted(mut self) -> Self {
-        self.fitted = true;
-        self
+        Self { fitted: true, ..self.extended(effects, more) }
     }
 
     /// A larger set that was not fitted: this one's evidence and what it gains.
