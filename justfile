@@ -127,3 +127,17 @@ design-power:
 
 long-records:
     cargo test -p analysis sampling:: -- --ignored --nocapture
+
+# The Python package built into target/venv, and its tests; with Dask, scipy and statsmodels where pip can install them.
+python:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    [ -d target/venv ] || python3 -m venv target/venv
+    target/venv/bin/pip install -q maturin numpy pandas pytest mypy matplotlib tqdm scipy statsmodels pyarrow "dask[distributed]" felupe tensortrax
+    cargo build --workspace
+    export CARGO_TARGET_DIR="$PWD/target" VIRTUAL_ENV="$PWD/target/venv" PATH="$PWD/target/venv/bin:$PATH"
+    cd python && maturin develop --locked -q && pytest -s
+
+# `fct export felupe` run in FElupe, its forces compared with ours (needs `just python` once).
+felupe:
+    cd python && ../target/venv/bin/pytest -s tests/test_export.py
