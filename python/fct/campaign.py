@@ -19,6 +19,7 @@ from typing import Any
 import pandas as pd
 
 from . import _fct
+from .records import table
 
 Study = str | os.PathLike[str]
 
@@ -37,9 +38,7 @@ class Report:
     """``specimens.csv`` and ``groups.csv``."""
 
     def _frame(self, name: str) -> pd.DataFrame:
-        import io
-
-        return pd.read_csv(io.StringIO(self.tables[name]), float_precision="round_trip")
+        return table(self.tables[name])
 
     @property
     def specimens(self) -> pd.DataFrame:

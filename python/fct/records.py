@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import io
 import json
 import os
@@ -15,6 +16,20 @@ import pandas as pd
 
 from . import _fct
 from ._fct import InputError
+
+
+def table(text: str) -> pd.DataFrame:
+    """A CSV text as a frame: numbers to the last bit, empty cells of numbers as NaN; lines after ``#`` are left out."""
+    rows = list(csv.reader(line for line in io.StringIO(text) if not line.startswith("#")))
+    head, body = (rows[0], rows[1:]) if rows else ([], [])
+    return pd.DataFrame({name: _column([row[i] for row in body]) for i, name in enumerate(head)})
+
+
+def _column(cells: list[str]) -> Any:
+    try:
+        return np.array([float(c) if c else np.nan for c in cells])
+    except ValueError:
+        return cells
 
 
 @dataclass(frozen=True)
@@ -34,7 +49,7 @@ class Record:
     @property
     def frame(self) -> pd.DataFrame:
         """The columns, in the units of their names (s, mm, N)."""
-        return pd.read_csv(io.StringIO(self.csv), comment="#", float_precision="round_trip")
+        return table(self.csv)
 
     def __len__(self) -> int:
         """Rows."""

@@ -21,7 +21,7 @@ type Answer = (String, Vec<PyCurve>);
 
 /// Reads a case, its records fit to be fitted.
 fn fitted(file: &PathBuf) -> Result<Arc<Case>, Fault> {
-    let catalogue = effects::catalogue();
+    let catalogue = ::effects::catalogue();
     let case = Arc::new(input::read_case(file, &catalogue)?);
     let (faults, _) = analysis::needs(&case, &catalogue);
     let faults: Vec<String> = faults.iter().map(|(place, f)| format!("{place}: error: {f}")).collect();
@@ -31,7 +31,7 @@ fn fitted(file: &PathBuf) -> Result<Arc<Case>, Fault> {
 /// The resolved configuration as TOML, and warnings.
 #[pyfunction]
 pub fn check(py: Python<'_>, file: PathBuf) -> PyResult<(String, Vec<String>)> {
-    let read = py.detach(|| input::read_case(&file, &effects::catalogue()));
+    let read = py.detach(|| input::read_case(&file, &::effects::catalogue()));
     let case = read.map_err(|d| Fault::from(d).raised(py))?;
     Ok((input::resolved_toml(&case), case.warnings.iter().map(ToString::to_string).collect()))
 }
@@ -69,7 +69,7 @@ pub fn identify(
 
 fn identified(case: &Arc<Case>, wire: &Wire) -> Result<(IdentifyAnswer, Vec<Curve>), Fault> {
     let published = report::Published::of(case)?;
-    let catalogue = effects::catalogue();
+    let catalogue = ::effects::catalogue();
     let (begun, meter) = (Instant::now(), Meter::new(true));
     let stops = || wire.stops();
     let metered = Metered::new(&stops, &meter);
@@ -99,7 +99,7 @@ pub fn diagnose(
             analysis::start_at(&mut case, values.iter().map(|(p, v)| (p.as_str(), *v)));
         }
         let (note, stops) = (|s: &str| wire.tell(s), || wire.stops());
-        let answer = analysis::diagnose(Arc::new(case), &effects::catalogue(), &note, &stops, &NoJournal)?;
+        let answer = analysis::diagnose(Arc::new(case), &::effects::catalogue(), &note, &stops, &NoJournal)?;
         Ok(serde_json::to_string(&answer)?)
     })
 }
@@ -115,7 +115,7 @@ pub fn discover(
 ) -> PyResult<(String, Option<String>, Vec<PyCurve>)> {
     let (json, last, curves) = run(py, threads, progress, move |wire| {
         let case = fitted(&file)?;
-        let catalogue = effects::catalogue();
+        let catalogue = ::effects::catalogue();
         let (note, stops, meter) = (|s: &str| wire.tell(s), || wire.stops(), Meter::new(true));
         let metered = Metered::new(&stops, &meter);
         let mut found = analysis::discover(case.clone(), &catalogue, &note, &metered, &NoJournal)?;
@@ -152,7 +152,7 @@ pub fn simulate(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     run(py, threads, progress, move |wire| {
-        let catalogue = effects::catalogue();
+        let catalogue = ::effects::catalogue();
         let case = Arc::new(input::read_case(&file, &catalogue)?);
         let begun = Instant::now();
         let steps = |done: usize, total: usize| wire.tell(format!("step {done} of {total}"));

@@ -40,8 +40,10 @@ fn head(study: &StudySummary) -> StudyHead {
             lead.push_str(&format!(", {n} {what}"));
         }
     }
-    if !s.wrong_rows.is_empty() {
-        lead.push_str(&format!("; {} rows of the table cannot be used", s.wrong_rows.len()));
+    match s.wrong_rows.len() {
+        0 => {}
+        1 => lead.push_str("; one row of the table cannot be used"),
+        n => lead.push_str(&format!("; {n} rows of the table cannot be used")),
     }
     lead.push('.');
     StudyHead { name: s.study.clone(), badge, lead, good: s.done == s.tasks && s.wrong_rows.is_empty() }
@@ -54,7 +56,7 @@ fn of_model(study: &StudySummary, m: &ModelSummary) -> StudySection {
         "{counted} of {n} specimens count: their model explains their records and nothing excludes them. Each is weighed by \
          its own interval and by how much specimens differ; the dashed line is where 95 % of further specimens would lie."
     )];
-    words.extend(m.groups.iter().filter_map(|g| unexplained(g)));
+    words.extend(m.groups.iter().filter_map(unexplained));
     words.extend(m.differences.iter().map(difference));
     words.extend(shared_donors(m));
     let quantities: Vec<&Quantity> = m.groups.iter().fold(Vec::new(), |mut all, g| {

@@ -47,7 +47,7 @@ def forces():
         bounds["move"].value = stretch - 1
         dof0, dof1 = fem.dof.partition(field, bounds)
         ext0 = fem.dof.apply(field, bounds, dof0)
-        done = fem.newtonrhapson(items=[solid], dof0=dof0, dof1=dof1, ext0=ext0, tol=1e-10, verbose=0)
+        done = fem.newtonraphson(items=[solid], dof0=dof0, dof1=dof1, ext0=ext0, tol=1e-10, verbose=0)
         out.append(fem.tools.force(field, done.fun, bounds["move"])[1])
     return np.array(out)
 

@@ -33,13 +33,13 @@ pub struct ForestGroup {
 const ROW: f64 = 20.0;
 const LEFT: f64 = 250.0;
 const WIDTH: f64 = 460.0;
-const RIGHT: f64 = 190.0;
+const RIGHT: f64 = 250.0;
 
 /// The plot as SVG; `axis` names the quantity with its unit. Empty where no row has a value.
 pub fn forest(axis: &str, groups: &[ForestGroup]) -> String {
     let Some(scale) = Scale::of(groups) else { return String::new() };
     let lines: usize = groups.iter().map(|g| g.rows.len() + 1 + usize::from(g.mean.is_some())).sum();
-    let height = ROW * (lines as f64 + 2.5);
+    let height = ROW * (lines as f64 + 3.2);
     let total = LEFT + WIDTH + RIGHT;
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {total} {height}\" font-family=\"sans-serif\" \

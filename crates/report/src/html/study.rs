@@ -73,7 +73,9 @@ fn section(s: &StudySection) -> String {
         })
         .collect();
     let tables: String = s.tables.iter().map(one).collect();
-    let copy = s.to_copy.as_ref().map_or(String::new(), |t| format!("<pre>{}</pre>\n", escape(t)));
+    // Lines stay lines.
+    let lines = |t: &String| t.lines().map(escape).collect::<Vec<_>>().join("\n");
+    let copy = s.to_copy.as_ref().map_or(String::new(), |t| format!("<pre>{}</pre>\n", lines(t)));
     format!("<section><h2>{}</h2>\n{words}{pictures}{tables}{copy}</section>\n", escape(&s.title))
 }
 
