@@ -133,3 +133,19 @@ design-power:
 # Records of 20,000 and 200,000 rows with jitter against 400 clean ones: times and values.
 long-records:
     cargo test --workspace --test all sampling:: -- --ignored --nocapture
+
+    cargo test -p analysis sampling:: -- --ignored --nocapture
+
+# The Python package built into target/venv, and its tests; with Dask, scipy and statsmodels where pip can install them.
+python:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    [ -d target/venv ] || python3 -m venv target/venv
+    target/venv/bin/pip install -q maturin numpy pandas pytest mypy matplotlib tqdm scipy statsmodels pyarrow "dask[distributed]" felupe tensortrax
+    cargo build --workspace
+    export CARGO_TARGET_DIR="$PWD/target" VIRTUAL_ENV="$PWD/target/venv" PATH="$PWD/target/venv/bin:$PATH"
+    cd python && maturin develop --locked -q && pytest -s
+
+# `fct export felupe` run in FElupe, its forces compared with ours (needs `just python` once).
+felupe:
+    cd python && ../target/venv/bin/pytest -s tests/test_export.py

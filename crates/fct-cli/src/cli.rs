@@ -1,8 +1,8 @@
 //! The command line.
 
 use crate::commands::{
-    add, batch, check, compare, design, diagnose, discover, drop, effects, identify, import, ladder, new,
-    report, simulate,
+    add, batch, campaign, check, compare, completions, design, diagnose, discover, drop, effects, export,
+    identify, import, ladder, man, new, report, schema, simulate,
 };
 pub use crate::flags::Common;
 use crate::flags::{Answers, Draws, Makes, Runs, Shows, With, Writes};
@@ -95,6 +95,29 @@ pub enum Command {
         after_help = "Examples:\n  fct report runs/base\n  fct report runs/base runs/more --out ladder.html"
     )]
     Report(With<report::Arguments, Draws>),
+    /// The identified law as input of another program, with a deck of one element
+    #[command(
+        after_help = "Examples:\n  fct export felupe runs/base\n  fct export abaqus runs/base --out tissue.inp"
+    )]
+    Export(With<export::Arguments, Writes>),
+    /// A study of many specimens, on one machine or many
+    #[command(
+        after_help = "Examples:\n  fct campaign plan study.toml\n  fct campaign run study.toml --shard 1/4"
+    )]
+    Campaign(Box<campaign::Arguments>),
+    /// JSON Schema of specimens and configs, for editors that complete and check while one types
+    #[command(
+        after_help = "Examples:\n  fct schema > fct.schema.json\n  fct schema --json > fct.schema.json"
+    )]
+    Schema(With<schema::Arguments, Shows>),
+    /// Completions of the command line for a shell
+    #[command(
+        after_help = "Examples:\n  fct completions bash > ~/.local/share/bash-completion/completions/fct\n  fct completions zsh > ~/.zfunc/_fct"
+    )]
+    Completions(With<completions::Arguments, Shows>),
+    /// The manual page of fct, or of one command
+    #[command(after_help = "Examples:\n  fct man > fct.1\n  fct man identify > fct-identify.1")]
+    Man(With<man::Arguments, Shows>),
 }
 
 impl Command {
@@ -116,6 +139,11 @@ impl Command {
             Self::Batch(a) => (&a.flags).into(),
             Self::Effects(a) => (&a.flags).into(),
             Self::Report(a) => (&a.flags).into(),
+            Self::Export(a) => (&a.flags).into(),
+            Self::Campaign(a) => a.what.common(),
+            Self::Schema(a) => (&a.flags).into(),
+            Self::Completions(a) => (&a.flags).into(),
+            Self::Man(a) => (&a.flags).into(),
         }
     }
 }
@@ -137,9 +165,12 @@ pub fn arranged(words: impl Iterator<Item = OsString>) -> Vec<OsString> {
         at += if word.to_str().is_some_and(|w| VALUED.contains(&w)) { 2 } else { 1 };
     }
     let Some(command) = words.get(at) else { return words };
+    // A command of commands: they are the second one's.
+    let inner = command.to_str().and_then(|c| cli.find_subcommand(c)).is_some_and(|c| c.has_subcommands());
+    let end = (at + 1 + usize::from(inner)).min(words.len());
+    let (named, after) = (words.get(at..end).unwrap_or_default(), words.get(end..).unwrap_or_default());
     let before = words.get(1..at).unwrap_or_default();
-    let after = words.get(at + 1..).unwrap_or_default();
-    words.iter().take(1).chain([command]).chain(before).chain(after).cloned().collect()
+    words.iter().take(1).chain(named).chain(before).chain(after).cloned().collect()
 }
 
 #[cfg(test)]

@@ -61,6 +61,17 @@ impl Case {
         self.without_locations() == other.without_locations()
     }
 
+    /// SHA-256 of everything the case says: the content of the files that were read, to the last bit of every number, but
+    /// not where they stood, nor their comments and order of keys.
+    pub fn fingerprint(&self) -> String {
+        let mut case = self.without_locations();
+        case.parent = None;
+        for record in case.tests.iter_mut().filter_map(|t| t.record.as_mut()) {
+            record.path.clear();
+        }
+        crate::sha256(format!("{case:?}").as_bytes())
+    }
+
     fn without_locations(&self) -> Case {
         let mut case = self.clone();
         (case.specimen_file, case.config_file) = (None, None);

@@ -7,6 +7,7 @@
 pub mod answer;
 mod curves;
 mod error;
+pub mod export;
 pub mod fields;
 pub mod figures;
 pub mod html;

@@ -43,9 +43,14 @@ const MAY_SEE: &[(&str, &[&str])] = &[
         ],
     ),
     // 5
+    ("campaign", &["analysis", "input", "inverse", "model", "report"]),
+    // 6
     (
         "fct-cli",
-        &["analysis", "diagnose", "effects", "input", "inverse", "model", "params", "records", "report"],
+        &[
+            "analysis", "campaign", "diagnose", "effects", "input", "inverse", "model", "params", "records",
+            "report",
+        ],
     ),
     // See all.
     ("hidden-suite", &["*"]),

@@ -40,7 +40,7 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
 }
 
 /// Of a search the model that it chose; any other directory itself.
-fn last_rung(place: &Path) -> PathBuf {
+pub fn last_rung(place: &Path) -> PathBuf {
     let rung = |k: usize| place.join("rungs").join(k.to_string());
     (0..).map(rung).take_while(|p| p.is_dir()).last().unwrap_or_else(|| place.to_owned())
 }

@@ -4,6 +4,7 @@ use super::rungs;
 use super::unfinished::kept;
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
+use ::report::answer::Evaluated;
 use ::report::{Partial, RunDir, store_discover, store_unfinished, terminal};
 use analysis::{DiscoverAnswer, Meter, Metered};
 use input::Case;
@@ -54,7 +55,7 @@ fn search(
     dir: &RunDir,
     case: &Arc<Case>,
     session: &Session,
-) -> Result<(DiscoverAnswer, Option<rungs::Top>), Failure> {
+) -> Result<(DiscoverAnswer, Option<Evaluated>), Failure> {
     let (progress, journal) = (session.progress(&case.name), dir.journal());
     let (note, cancelled) = (|s: &str| progress.note(s), || session.cancelled());
     let meter = Meter::new(true);

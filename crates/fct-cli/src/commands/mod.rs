@@ -2,20 +2,25 @@
 
 pub mod add;
 pub mod batch;
+pub mod campaign;
 pub mod check;
 pub mod compare;
+pub mod completions;
 pub mod design;
 pub mod diagnose;
 pub mod discover;
 pub mod drop;
 mod edit;
 pub mod effects;
+pub mod export;
 pub mod identify;
 pub mod import;
 pub mod ladder;
+pub mod man;
 pub mod new;
 pub mod report;
 mod rungs;
+pub mod schema;
 pub mod simulate;
 mod unfinished;
 
@@ -44,5 +49,10 @@ pub fn run(command: &Command, session: &Session) -> Result<Outcome, Failure> {
         Command::Batch(a) => batch::run(&a.own, session),
         Command::Effects(a) => effects::run(&a.own, session),
         Command::Report(a) => report::run(&a.own, session),
+        Command::Campaign(a) => campaign::run(&a.what, session),
+        Command::Export(a) => export::run(&a.own, session),
+        Command::Schema(a) => schema::run(&a.own, session),
+        Command::Completions(a) => completions::run(&a.own),
+        Command::Man(a) => man::run(&a.own),
     }
 }

@@ -3,28 +3,11 @@
 //! every rung can be looked at and continued from.
 
 use crate::session::Session;
-use ::report::answer::{IdentifyAnswer, StageEnd};
-use ::report::{Begin, Published, ReportError, RunDir, RunJournal, store_rung};
-use analysis::{
-    Control, DiscoverAnswer, Identified, LadderRow, Phase, SimulateControl, SimulatedTest, Watch, Within,
-};
-use input::{Case, Mode};
-use std::path::Path;
+use ::report::answer::{Evaluated, Evaluator, rung_case};
+use ::report::{Begin, Published, ReportError, RunDir, store_rung};
+use analysis::{DiscoverAnswer, Phase, Watch};
+use input::Case;
 use std::sync::Arc;
-
-/// Where a rung's values come from, on the file's mesh and where that cannot be computed.
-const FINE: &str = "Values of the search's ladder, computed once on the file's mesh.";
-const COARSE: &str = "Values of the search's ladder, computed once on a mesh twice as coarse as the file's, on which it cannot be computed.";
-
-/// The last rung, for what stands at the top of the search's directory.
-pub struct Top {
-    /// The model at the found values.
-    pub done: Identified,
-    /// Its runs with energies.
-    pub replayed: Vec<SimulatedTest>,
-    /// Its answer.
-    pub answer: IdentifyAnswer,
-}
 
 /// Stores every rung of the ladder; one that cannot be computed on the file's mesh is left out with a
 /// remark. Returns the last rung.
@@ -37,7 +20,7 @@ pub fn store(
     answer: &DiscoverAnswer,
     session: &Session,
     watch: &dyn Watch,
-) -> Result<Option<Top>, ReportError> {
+) -> Result<Option<Evaluated>, ReportError> {
     watch.phase(Phase::Replay);
     let published = Published::of(case)?;
     let journal = dir.journal();
@@ -48,13 +31,11 @@ pub fn store(
         }
         let place = dir.place().join("rungs");
         let parent = k.checked_sub(1).map(|b| place.join(b.to_string()));
-        let rung = case_of(case, row, parent.as_deref());
-        let done = evaluate(&rung, published.as_ref(), FINE, &journal, session, watch).or_else(|why| {
-            if session.cancelled() {
-                return Err(why);
-            }
+        let rung = rung_case(case, row, parent.as_deref());
+        let evaluator =
+            Evaluator { published: published.as_ref(), catalogue: &session.catalogue, journal: &journal };
+        let done = evaluator.rung(&rung, watch, |why| {
             session.say(&format!("rung {k}: {why}; it is computed on the search's coarser mesh instead"));
-            evaluate(&coarser(&rung), published.as_ref(), COARSE, &journal, session, watch)
         });
         match done {
             Ok(top) => {
@@ -71,60 +52,11 @@ pub fn store(
     Ok(last)
 }
 
-/// The case of a rung: its effects, and the found values as start.
-fn case_of(case: &Case, row: &LadderRow, parent: Option<&Path>) -> Case {
-    let mut rung = case.clone();
-    rung.effects.clone_from(&row.forms);
-    analysis::start_at(&mut rung, row.values.iter().map(|(p, v)| (p.as_str(), *v)));
-    // Its run.toml gives these values, and what is expected stands around them.
-    rung.identify.priors.around.clear();
-    rung.identify.mode = Mode::Joint;
-    // As the search did it: refitting without them would be another question.
-    rung.identify.priors.literature.get_or_insert(true);
-    rung.parent = parent.map(|p| p.display().to_string());
-    rung
-}
-
-/// The case with elements twice as large, as the search has them.
-fn coarser(case: &Case) -> Case {
-    let mut coarse = case.clone();
-    let mesh = &mut coarse.mesh;
-    (mesh.bulk_size, mesh.path_size) = (2.0 * mesh.bulk_size, 2.0 * mesh.path_size);
-    // Half the divisions, those along the load even: the tear path lies between them.
-    mesh.divisions =
-        mesh.divisions.map(|[x, y, z]| [x.div_ceil(2).max(2), (y.div_ceil(4) * 2).max(2), z.div_ceil(2)]);
-    coarse
-}
-
-/// One run with derivatives at the values of the case: an identification that takes no step.
-fn evaluate(
-    case: &Case,
-    published: Option<&Published>,
-    reason: &str,
-    journal: &RunJournal,
-    session: &Session,
-    watch: &dyn Watch,
-) -> Result<Top, analysis::AnalysisError> {
-    let begun = std::time::Instant::now();
-    let mut still = case.clone();
-    (still.identify.max_iterations, still.identify.multi_start) = (0, 0);
-    still.identify.coarse_first = false;
-    let watch = &Within(watch);
-    let done = analysis::identify(
-        Arc::new(still),
-        &session.catalogue,
-        &Control { progress: &|_| {}, cancelled: watch, journal },
-    )?;
-    let replayed = analysis::replay(&done, &SimulateControl { progress: &|_, _| {}, cancelled: watch })?;
-    let mut answer = IdentifyAnswer::new(&done, &replayed, published, begun.elapsed().as_secs_f64());
-    answer.stages = vec![StageEnd { stage: "search".into(), reason: reason.into(), converged: true }];
-    reason.clone_into(&mut answer.stopped_because);
-    Ok(Top { done, replayed, answer })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use analysis::LadderRow;
+    use std::path::Path;
 
     /// A form that the search chose (two branches, say) is not lost on the way to the rung's `run.toml`.
     #[test]
@@ -152,7 +84,7 @@ mod tests {
             values: [("effects.viscoelastic.g2".to_owned(), 0.2)].into(),
             forms: forms.clone(),
         };
-        let rung = case_of(&case, &row, None);
+        let rung = rung_case(&case, &row, None);
         assert_eq!(rung.effects[0].options, forms[0].options);
         assert_eq!(rung.effects[0].parameters["g2"].value, Some(0.2));
         Ok(())

@@ -10,9 +10,24 @@ use std::os::unix::ffi::OsStringExt;
 use std::process::{Command, Stdio};
 use watched::watched;
 
-const COMMANDS: [&str; 13] = [
-    "new", "check", "simulate", "identify", "compare", "diagnose", "add", "drop", "discover", "ladder",
-    "batch", "effects", "report",
+const COMMANDS: [&str; 17] = [
+    "new",
+    "check",
+    "simulate",
+    "identify",
+    "compare",
+    "diagnose",
+    "add",
+    "drop",
+    "discover",
+    "ladder",
+    "batch",
+    "effects",
+    "report",
+    "export",
+    "completions",
+    "man",
+    "campaign",
 ];
 
 fn lines() -> Vec<Vec<String>> {
@@ -101,6 +116,21 @@ fn lines() -> Vec<Vec<String>> {
         "compare .",
         "diagnose .",
         "check strip.toml --resume",
+        "--json campaign",
+        "campaign run strip.toml",
+        "campaign run .",
+        "campaign run strip.toml --shard 2/1",
+        "campaign run strip.toml --workers 0",
+        "--json campaign status .",
+        "campaign plan ''",
+        "campaign report nowhere.toml",
+        "campaign slurm strip.toml --time ;",
+        "export felupe .",
+        "export felupe strip.toml",
+        "export word strip.toml",
+        "man frobnicate",
+        "completions frobnicate",
+        "schema extra",
         "simulate nowhere.toml --resume",
         "identify strip.toml --json --quiet",
     ];

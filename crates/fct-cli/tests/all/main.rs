@@ -4,6 +4,7 @@ mod answers;
 mod bad_input;
 mod beam;
 mod browser;
+mod campaign;
 mod command_lines;
 mod common;
 mod damaged;

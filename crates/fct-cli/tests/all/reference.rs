@@ -28,6 +28,39 @@ fn the_reference_is_what_the_program_reads() -> Tested {
 }
 
 #[test]
+fn fct_schema_prints_that_schema() -> Tested {
+    let here = tempfile::tempdir()?;
+    let stored = fs::read_to_string(Path::new(DOCS).join("book/src/reference/fct.schema.json"))?;
+    let out = common::fct(here.path(), &["schema"])?;
+    assert!(out.status.success() && String::from_utf8(out.stdout)? == stored);
+    assert_eq!(common::json(here.path(), &["schema"])?.1, serde_json::from_str::<Value>(&stored)?);
+    Ok(())
+}
+
+#[test]
+fn shells_and_man_read_what_is_written_for_them() -> Tested {
+    let here = tempfile::tempdir()?;
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let out = common::fct(here.path(), &["completions", shell])?;
+        let script = String::from_utf8(out.stdout)?;
+        assert!(
+            out.status.success() && script.contains("identify") && script.contains("campaign"),
+            "{shell}"
+        );
+        fs::write(here.path().join(shell), script)?;
+    }
+    let bash = std::process::Command::new("bash").args(["-n", "bash"]).current_dir(here.path()).status();
+    assert!(bash.is_ok_and(|s| s.success()) || cfg!(not(unix)));
+    let page = |arguments: &[&str]| common::fct(here.path(), arguments).map(|o| String::from_utf8(o.stdout));
+    let whole = page(&["man"])??;
+    assert!(whole.contains(".TH fct 1") && whole.contains("identify"), "{whole}");
+    let one = page(&["man", "campaign"])??;
+    assert!(one.contains(".TH fct\\-campaign 1") || one.contains(".TH fct-campaign 1"), "{one}");
+    assert!(one.contains("slurm"));
+    Ok(())
+}
+
+#[test]
 fn the_catalogue_page_is_what_the_cards_say() -> Tested {
     held("catalogue.md", &effects::card_text::markdown(&effects::catalogue()))
 }

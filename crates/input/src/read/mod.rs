@@ -37,8 +37,29 @@ const SPECIMEN_KEYS: [&str; 4] = ["name", "provenance", "geometry", "tests"];
 /// # Errors
 /// Everything that is wrong with the file, the specimen it points to and their CSV files, at once.
 pub fn read_case(path: &Path, registry: &dyn EffectRegistry) -> Result<Case, Diagnostics> {
+    read_case_as(path, Reading::default(), registry)
+}
+
+/// How a file is read that a study or a program puts together with others.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Reading<'a> {
+    /// The specimen that the file, a config, is of; it then names none itself.
+    pub specimen: Option<&'a Path>,
+    /// Tables that stand behind the file's own text, as TOML.
+    pub more: &'a str,
+}
+
+/// The same with a specimen of the caller's, and with tables added.
+///
+/// # Errors
+/// As [`read_case`]; a file that names a specimen where one is given, tables that the file has already.
+pub fn read_case_as(
+    path: &Path,
+    reading: Reading<'_>,
+    registry: &dyn EffectRegistry,
+) -> Result<Case, Diagnostics> {
     let sink = Sink::default();
-    let case = read(path, registry, &sink);
+    let case = read(path, reading, registry, &sink);
     let (failed, inputs) = (sink.has_errors(), sink.files());
     let found = sink.into_sorted();
     match case {
@@ -47,15 +68,22 @@ pub fn read_case(path: &Path, registry: &dyn EffectRegistry) -> Result<Case, Dia
     }
 }
 
-fn read(path: &Path, registry: &dyn EffectRegistry, sink: &Sink) -> Option<Case> {
-    let file = load(path, "a specimen or config file (TOML)", sink)?;
+fn read(path: &Path, reading: Reading<'_>, registry: &dyn EffectRegistry, sink: &Sink) -> Option<Case> {
+    let mut file = load(path, "a specimen or config file (TOML)", sink)?;
+    if !reading.more.is_empty() {
+        let text = format!("{}\n{}", file.text, reading.more);
+        let sha256 = file.sha256.take();
+        file = SourceFile::new(path, text);
+        file.sha256 = sha256;
+    }
     let document = parse(&file, sink)?;
     let laws = every_law_key(registry);
     let context = Context { file: &file, sink, laws: &laws };
     let top = Section::open(context, "the file", 0..0, document.get_ref(), keys::of(""));
-    let measured = match top.entry("specimen") {
-        Some(_) => pointed(&top)?,
-        None => Some(inline(&top)),
+    let measured = match (reading.specimen, top.entry("specimen")) {
+        (Some(given), _) => pointed(&top, Some(given))?,
+        (None, Some(_)) => pointed(&top, None)?,
+        (None, None) => Some(inline(&top)),
     };
     let (given, specimen_file) = match measured {
         Some(measured) => (Some(measured.0), Some(measured.1)),
@@ -67,7 +95,8 @@ fn read(path: &Path, registry: &dyn EffectRegistry, sink: &Sink) -> Option<Case>
     let (bulk, interface) = (laws::bulk(&top, &chosen[0], &tests), laws::interface(&top, &chosen[1], &tests));
     let identify = specimen::subsection(&top, "identify");
     let priors = priors::priors(&identify, registry, &chosen);
-    let is_config = top.entry("specimen").is_some() || keys_beyond_specimen(&top);
+    let is_config =
+        reading.specimen.is_some() || top.entry("specimen").is_some() || keys_beyond_specimen(&top);
     let own_name = specimen::checked_name(&top);
     Some(Case {
         name: own_name.or(name).unwrap_or_else(|| stem(path)),
@@ -139,19 +168,30 @@ fn inline(top: &Section<'_>) -> (Measured, PathBuf) {
     (Measured { name: None, provenance: None, geometry, tests }, path)
 }
 
-/// Geometry and tests of the specimen file that a config points to. The outer `None`: not worth going on.
+/// Geometry and tests of the specimen file that a config points to, or that it is `given`. The outer `None`: not worth
+/// going on.
 #[allow(clippy::option_option)]
-fn pointed(top: &Section<'_>) -> Option<Option<(Measured, PathBuf)>> {
+fn pointed(top: &Section<'_>, given: Option<&Path>) -> Option<Option<(Measured, PathBuf)>> {
     let context = top.context;
     for name in ["geometry", "tests"] {
         if top.entry(name).is_some() {
             top.fault(name, format!("`{name}` stands beside `specimen`; expected one or the other"));
         }
     }
-    let Some(given) = top.text("specimen") else { return Some(None) };
-    let path = specimen::resolve(context, given);
+    if given.is_some() && top.entry("specimen").is_some() {
+        top.fault("specimen", "a model of a study names no specimen: the study does".to_owned());
+    }
+    let path = match (given, top.text("specimen")) {
+        (Some(path), _) => path.to_owned(),
+        (None, Some(named)) => specimen::resolve(context, named),
+        (None, None) => return Some(None),
+    };
     let file = match SourceFile::read(&path, LARGEST_TOML, "a specimen file (TOML)") {
         Ok(file) => file,
+        Err(diagnostic) if given.is_some() => {
+            context.sink.push(*diagnostic);
+            return Some(None);
+        }
         Err(diagnostic) => {
             specimen::linked(top, "specimen", *diagnostic);
             return Some(None);

@@ -4,6 +4,7 @@
 mod compare;
 mod identify;
 mod remarks;
+mod rung;
 pub use remarks::held_at_limits;
 mod simulate;
 
@@ -12,6 +13,7 @@ pub(crate) use identify::histories;
 pub use identify::{
     IdentifyAnswer, ParameterAnswer, PublishedSummary, StageEnd, StageHistory, TestFit, Trial,
 };
+pub use rung::{Evaluated, Evaluator, rung_case};
 pub use simulate::{EnergyAnswer, JumpAnswer, SimulateAnswer, SolverAnswer, TestCurve};
 
 /// Version of the answers' layout.

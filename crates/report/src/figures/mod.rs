@@ -3,6 +3,7 @@
 mod convergence;
 mod curve;
 mod export;
+mod forest;
 mod path;
 mod record;
 mod staircase;
@@ -10,6 +11,7 @@ mod style;
 
 pub(crate) use convergence::shown_parameters;
 pub use export::{ending, export, offered};
+pub use forest::{ForestGroup, ForestRow, forest};
 pub use record::{Channels, of_record};
 pub use staircase::figure as staircase;
 

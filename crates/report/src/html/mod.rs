@@ -12,11 +12,13 @@ mod identify;
 mod ladder;
 mod place;
 mod simulate;
+mod study;
 mod tables;
 mod view;
 
 pub use batch::page as batch_page;
 pub use document::is_page;
+pub use study::{StudyHead, StudySection, StudyTable, page as study_page};
 pub use view::{Rung, View};
 
 use document::{document, picture, share_class};

@@ -13,8 +13,8 @@ pub struct RunJournal {
 }
 
 impl RunJournal {
-    /// A journal in a folder.
-    pub(super) const fn new(folder: PathBuf) -> Self {
+    /// A journal in a folder, made when the first part is kept. One process at a time writes it.
+    pub const fn new(folder: PathBuf) -> Self {
         Self { folder }
     }
 }
