@@ -134,8 +134,6 @@ design-power:
 long-records:
     cargo test --workspace --test all sampling:: -- --ignored --nocapture
 
-    cargo test -p analysis sampling:: -- --ignored --nocapture
-
 # The Python package built into target/venv, and its tests; with Dask, scipy and statsmodels where pip can install them.
 python:
     #!/usr/bin/env bash
