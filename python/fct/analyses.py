@@ -96,7 +96,8 @@ def identify(
     text. Ctrl-C stops it within a second: ``fct.Interrupted`` has the best values so far in ``best``.
     """
     if isinstance(specimen, Problem):
-        specimen, model = specimen.specimen, specimen.model
+        model = specimen.model
+        specimen = specimen.specimen
     with on_disk(specimen, model) as file, _Progress(progress, "identify") as told:
         answer, curves = _fct.identify(file, threads, told)
     return Fit(json.loads(answer), _curves(curves), specimen, model)
@@ -118,7 +119,8 @@ def discover(
 ) -> Discovery:
     """The whole loop: effects are added until the records are explained, or honestly not. Minutes to an hour."""
     if isinstance(specimen, (Problem, Fit)):
-        specimen, model = specimen.specimen, specimen.model
+        model = specimen.model
+        specimen = specimen.specimen
     with on_disk(specimen, model) as file, _Progress(progress, "discover") as told:
         answer, last, curves = _fct.discover(file, threads, told)
     fit = None if last is None else Fit(json.loads(last), _curves(curves), specimen, model)

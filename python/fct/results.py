@@ -36,7 +36,7 @@ class _Answer:
         self.answer = answer
 
     def __eq__(self, other: object) -> bool:
-        return type(other) is type(self) and _timeless(self.answer) == _timeless(other.answer)  # type: ignore[attr-defined]
+        return type(other) is type(self) and _timeless(self.answer) == _timeless(other.answer)
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -150,7 +150,7 @@ class Fit(_Answer):
         same = self.curves.keys() == other.curves.keys()
         return same and all(self.curves[n].equals(other.curves[n]) for n in self.curves)
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None
 
 
 def _row(p: Mapping[str, Any]) -> str:

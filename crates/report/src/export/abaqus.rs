@@ -6,7 +6,7 @@ use std::fmt::Write;
 /// The input file: `*Anisotropic Hyperelastic, Holzapfel` on one C3D8H.
 pub fn deck(law: &Exported) -> String {
     let head =
-        law.head("Abaqus/Standard", "NOT RUN THERE: written after the manual, never tried in Abaqus by fct.");
+        law.head("Abaqus/Standard", "NOT RUN THERE: keywords as documented, never tried in Abaqus by fct.");
     let mut out = comments("**", &head);
     let (sin, cos) = law.gamma.sin_cos();
     let move_by = law.last_stretch() - 1.0;

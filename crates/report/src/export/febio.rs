@@ -4,7 +4,7 @@ use super::{Exported, comments};
 
 /// The input file: `Holzapfel-Gasser-Ogden` on one hexahedron.
 pub fn deck(law: &Exported) -> String {
-    let tried = "NOT RUN THERE: written after the manual, never tried in FEBio by fct. FEBio's volumetric energy may be of \
+    let tried = "NOT RUN THERE: keywords as documented, never tried in FEBio by fct. FEBio's volumetric energy may be of \
                  another form: initial bulk moduli agree.";
     let head = comments("    ", &law.head("FEBio 4", tried));
     let nodes = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
