@@ -9,9 +9,11 @@
 use crate::files::Folder;
 use report::ReportError;
 use serde::{Deserialize, Serialize};
+use std::collections::HashSet;
 use std::fs::{self, File, OpenOptions};
 use std::io::{ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -20,6 +22,8 @@ use std::time::Duration;
 pub const HEARTBEAT: Duration = Duration::from_secs(10);
 /// Silence after which a worker is taken to be gone.
 pub const SILENCE: Duration = Duration::from_secs(180);
+/// Age at which a file that was never finished is nobody's any more.
+const ABANDONED: Duration = Duration::from_secs(3600);
 /// How many workers a task may take with it.
 pub const ATTEMPTS: u32 = 3;
 
@@ -60,15 +64,9 @@ impl Claim {
         let path = place(folder, key, lost + 1);
         let parent = folder.claims();
         fs::create_dir_all(&parent).map_err(ReportError::io(&parent, "create the directory"))?;
-        match OpenOptions::new().write(true).create_new(true).open(&path) {
-            Ok(mut file) => {
-                let owner = serde_json::to_vec(&Owner::me()).unwrap_or_default();
-                if let Err(e) = file.write_all(&owner) {
-                    let _ = fs::remove_file(&path);
-                    return Err(ReportError::io(&path, "write")(e));
-                }
-                Ok(Some(Self::alive(path, file, owner)))
-            }
+        let owner = serde_json::to_vec(&Owner::me()).unwrap_or_default();
+        match create_whole(&path, &owner) {
+            Ok(file) => Ok(Some(Self::alive(path, file, owner))),
             Err(e) if e.kind() == ErrorKind::AlreadyExists => Ok(None),
             Err(e) => Err(ReportError::io(&path, "write")(e)),
         }
@@ -104,6 +102,25 @@ impl Drop for Claim {
     }
 }
 
+/// Creates a file with its content, or fails because it is there: nobody ever sees it without its content, which a
+/// process that is killed between the two would leave, and which says of nobody that they are gone.
+fn create_whole(path: &Path, content: &[u8]) -> std::io::Result<File> {
+    let own = path.with_file_name(format!(".new.{}", unique()));
+    let mut file = OpenOptions::new().write(true).create_new(true).open(&own)?;
+    let linked = file.write_all(content).and_then(|()| fs::hard_link(&own, path));
+    let _ = fs::remove_file(&own);
+    match linked {
+        Ok(()) => Ok(file),
+        Err(e) if e.kind() == ErrorKind::AlreadyExists => Err(e),
+        // A file system without links: the claim is made first, then written.
+        Err(_) => {
+            let mut file = OpenOptions::new().write(true).create_new(true).open(path)?;
+            file.write_all(content)?;
+            Ok(file)
+        }
+    }
+}
+
 /// Removes all claims on a task.
 pub fn clear(folder: &Folder, key: &str) {
     (1..=ATTEMPTS).for_each(|n| {
@@ -131,7 +148,7 @@ fn is_held(folder: &Folder, path: &Path) -> bool {
     let owner = fs::read(path).ok().and_then(|b| serde_json::from_slice::<Owner>(&b).ok());
     match owner.map(|o| o.is_gone()) {
         Some(Some(gone)) => !gone,
-        // Made elsewhere, or by a process that was killed before it wrote its name: silence decides.
+        // Made elsewhere, or not yet written where files cannot be linked: silence decides.
         _ => silence(folder, path).is_none_or(|s| s < SILENCE),
     }
 }
@@ -139,7 +156,7 @@ fn is_held(folder: &Folder, path: &Path) -> bool {
 /// Time since a claim was touched, by the clock of the machine that holds the files.
 fn silence(folder: &Folder, path: &Path) -> Option<Duration> {
     let touched = fs::metadata(path).and_then(|m| m.modified()).ok()?;
-    let probe = folder.claims().join(format!(".clock.{}", me().replace('/', "_")));
+    let probe = folder.claims().join(format!(".clock.{}", unique()));
     fs::write(&probe, b"").ok()?;
     let now = fs::metadata(&probe).and_then(|m| m.modified());
     let _ = fs::remove_file(&probe);
@@ -161,9 +178,32 @@ impl Owner {
     }
 }
 
-/// This process, among all that may see the folder.
-pub fn me() -> String {
-    format!("{}.{}", here(), std::process::id())
+/// A part of a file's name that no other file of any process that may see the folder has.
+pub fn unique() -> String {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    let count = COUNT.fetch_add(1, Ordering::Relaxed);
+    format!("{}.{}.{count}", here().replace('/', "_"), std::process::id())
+}
+
+/// Removes what processes that were killed left beside claims and results: claims on tasks that are done, and files that
+/// were never finished, after an hour.
+pub fn tidy(folder: &Folder, done: &HashSet<String>) {
+    let old = |e: &fs::DirEntry| e.metadata().and_then(|m| m.modified()).ok()?.elapsed().ok();
+    let files = |path: PathBuf| fs::read_dir(path).into_iter().flatten().flatten();
+    for entry in files(folder.claims()) {
+        let name = entry.file_name();
+        let claimed =
+            name.to_str().and_then(|n| n.split_once('.')).is_some_and(|(key, _)| done.contains(key));
+        if claimed {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+    for entry in [folder.claims(), folder.results(), folder.failures()].into_iter().flat_map(files) {
+        let unfinished = entry.file_name().as_encoded_bytes().starts_with(b".");
+        if unfinished && old(&entry).is_some_and(|age| age > ABANDONED) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
 }
 
 /// Where process numbers mean what they mean here. Empty parts where the system does not say.

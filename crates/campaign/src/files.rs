@@ -8,7 +8,6 @@ use std::collections::HashSet;
 use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The folder of a study. Any number of processes may use it at once.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -76,14 +75,24 @@ impl Folder {
         self.path.join("claims")
     }
 
+    /// Where results of tasks with an answer stand.
+    pub fn results(&self) -> PathBuf {
+        self.path.join("results")
+    }
+
+    /// Where results of tasks that failed stand.
+    pub fn failures(&self) -> PathBuf {
+        self.path.join("failed")
+    }
+
     /// The result of a task that has an answer.
     pub fn result(&self, key: &str) -> PathBuf {
-        self.path.join("results").join(format!("{key}.json"))
+        self.results().join(format!("{key}.json"))
     }
 
     /// The result of a task that failed.
     pub fn failure(&self, key: &str) -> PathBuf {
-        self.path.join("failed").join(format!("{key}.json"))
+        self.failures().join(format!("{key}.json"))
     }
 
     /// Whether a task has a result, of either kind.
@@ -108,12 +117,12 @@ impl Folder {
 
     /// Keys of all tasks with an answer.
     pub fn done(&self) -> HashSet<String> {
-        keys(&self.path.join("results"))
+        keys(&self.results())
     }
 
     /// Keys of all tasks that failed.
     pub fn failed(&self) -> HashSet<String> {
-        keys(&self.path.join("failed"))
+        keys(&self.failures())
     }
 
     /// The result of a task; `None` where there is none, or one that cannot be read.
@@ -161,12 +170,10 @@ fn keys(folder: &Path) -> HashSet<String> {
 /// # Errors
 /// If the disk refuses.
 pub fn publish(path: &Path, content: &[u8]) -> Result<(), ReportError> {
-    static COUNT: AtomicU64 = AtomicU64::new(0);
     let folder = path.parent().unwrap_or(Path::new("."));
     fs::create_dir_all(folder).map_err(ReportError::io(folder, "create the directory"))?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let count = COUNT.fetch_add(1, Ordering::Relaxed);
-    let own = folder.join(format!(".{name}.{}.{count}.tmp", crate::claim::me().replace('/', "_")));
+    let own = folder.join(format!(".{name}.{}.tmp", crate::claim::unique()));
     let written = File::create(&own)
         .and_then(|mut f| f.write_all(content).and_then(|()| f.sync_all()))
         .and_then(|()| fs::rename(&own, path));

@@ -121,6 +121,7 @@ pub fn run(plan: &Plan, folder: &Folder, worker: Worker<'_>) -> Result<Ran, Camp
     let mut left = worker.shard.tasks(plan);
     // Two listings, instead of asking for each of thousands.
     let (done, failed) = (folder.done(), folder.failed());
+    claim::tidy(folder, &done);
     let share = left.len();
     left.retain(|t| !done.contains(&t.key) && !failed.contains(&t.key));
     ran.before = share - left.len();
