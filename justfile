@@ -139,7 +139,7 @@ python:
     #!/usr/bin/env bash
     set -euo pipefail
     [ -d target/venv ] || python3 -m venv target/venv
-    target/venv/bin/pip install -q maturin numpy pandas pytest mypy matplotlib tqdm scipy statsmodels pyarrow "dask[distributed]" felupe tensortrax
+    target/venv/bin/pip install -q maturin numpy pandas pytest mypy matplotlib tqdm scipy statsmodels pyarrow "dask[distributed]" felupe tensortrax nbclient nbformat ipykernel
     cargo build --workspace
     export CARGO_TARGET_DIR="$PWD/target" VIRTUAL_ENV="$PWD/target/venv" PATH="$PWD/target/venv/bin:$PATH"
     cd python && maturin develop --locked -q && pytest -s

@@ -15,6 +15,7 @@ from . import campaign
 from ._fct import ComputeError, FctError, InputError, Interrupted, __version__
 from .analyses import Problem, check, diagnose, discover, effects, identify, simulate
 from .case import Model, Specimen, Test
+from .own import Trial, try_law
 from .records import Record, read_record
 from .results import Diagnosis, Discovery, Fit, Ladder, Simulation, ladder
 
@@ -33,6 +34,7 @@ __all__ = [
     "Simulation",
     "Specimen",
     "Test",
+    "Trial",
     "__version__",
     "campaign",
     "check",
@@ -43,4 +45,5 @@ __all__ = [
     "ladder",
     "read_record",
     "simulate",
+    "try_law",
 ]

@@ -9,7 +9,8 @@ __version__: str
 
 _File = str | PathLike[str]
 _Progress = Callable[[str], object] | None
-_Curve = tuple[str, list[tuple[str, bytes]], list[str]]
+_Columns = list[tuple[str, bytes]]
+_Curve = tuple[str, _Columns, list[str], _Columns]
 
 class FctError(Exception): ...
 

@@ -60,14 +60,23 @@ class _Progress:
             self.bar.close()
 
 
-def _curves(curves: list[tuple[str, list[tuple[str, bytes]], list[str]]]) -> Curves:
+def _frame(columns: list[tuple[str, bytes]]) -> pd.DataFrame:
+    return pd.DataFrame({name: np.frombuffer(raw) for name, raw in columns}, copy=False)
+
+
+def _curves(curves: list[_fct._Curve]) -> Curves:
     out = {}
-    for test, columns, segments in curves:
-        frame = pd.DataFrame({name: np.frombuffer(raw) for name, raw in columns}, copy=False)
+    for test, columns, segments, _ in curves:
+        frame = _frame(columns)
         if segments:
             frame["segment"] = segments
         out[test] = frame
     return out
+
+
+def _fit(answer: str, curves: list[_fct._Curve], specimen: Case, model: Model | None) -> Fit:
+    jacobian = {test: _frame(slopes) for test, _, _, slopes in curves}
+    return Fit(json.loads(answer), _curves(curves), jacobian, specimen, model)
 
 
 def check(specimen: Case, model: Model | None = None) -> str:
@@ -100,7 +109,7 @@ def identify(
         specimen = specimen.specimen
     with on_disk(specimen, model) as file, _Progress(progress, "identify") as told:
         answer, curves = _fct.identify(file, threads, told)
-    return Fit(json.loads(answer), _curves(curves), specimen, model)
+    return _fit(answer, curves, specimen, model)
 
 
 def diagnose(fit: Fit, *, threads: int | None = None, progress: Told = None) -> Diagnosis:
@@ -123,7 +132,7 @@ def discover(
         specimen = specimen.specimen
     with on_disk(specimen, model) as file, _Progress(progress, "discover") as told:
         answer, last, curves = _fct.discover(file, threads, told)
-    fit = None if last is None else Fit(json.loads(last), _curves(curves), specimen, model)
+    fit = None if last is None else _fit(last, curves, specimen, model)
     return Discovery(json.loads(answer), fit)
 
 

@@ -52,11 +52,15 @@ def _axes(ax: Any) -> Any:
 class Fit(_Answer):
     """A finished identification."""
 
-    def __init__(self, answer: dict[str, Any], curves: Curves, specimen: Any, model: Model | None) -> None:
+    def __init__(
+        self, answer: dict[str, Any], curves: Curves, jacobian: Curves, specimen: Any, model: Model | None
+    ) -> None:
         super().__init__(answer)
         self.curves = curves
         """By test: ``time_s``, ``displacement_mm``, ``force_measured_N``, ``force_model_N``, ``residual_N``, camera
         channels where they were measured, ``segment``."""
+        self.jacobian = jacobian
+        """By test: derivative of ``force_model_N`` by each free parameter, N per its unit; columns are paths."""
         self.specimen = specimen
         self.model = model
 
@@ -147,8 +151,10 @@ class Fit(_Answer):
     def __eq__(self, other: object) -> bool:
         if not (isinstance(other, Fit) and super().__eq__(other)):
             return False
-        same = self.curves.keys() == other.curves.keys()
-        return same and all(self.curves[n].equals(other.curves[n]) for n in self.curves)
+        mine, theirs = (self.curves, self.jacobian), (other.curves, other.jacobian)
+        return all(
+            a.keys() == b.keys() and all(a[n].equals(b[n]) for n in a) for a, b in zip(mine, theirs, strict=True)
+        )
 
     __hash__ = None
 

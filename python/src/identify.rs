@@ -9,18 +9,24 @@ use pyo3::types::PyBytes;
 use report::Curve;
 use report::answer::{Evaluator, IdentifyAnswer, SimulateAnswer, rung_case};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Columns of a curve as bytes of doubles, with the names of its segments: (test, [(column, bytes)], segments).
-pub type PyCurve = (String, Vec<(String, Py<PyBytes>)>, Vec<String>);
+/// Columns as bytes of doubles.
+type Columns = Vec<(String, Py<PyBytes>)>;
+
+/// A curve: test, columns, names of its segments, derivatives of the force by each free parameter.
+pub type PyCurve = (String, Columns, Vec<String>, Columns);
+
+/// Derivatives of a test's force by each free parameter: (test, [(path, one value per row)]).
+type Slopes = Vec<(String, Vec<(String, Vec<f64>)>)>;
 
 /// An answer as JSON, and its curves.
 type Answer = (String, Vec<PyCurve>);
 
 /// Reads a case, its records fit to be fitted.
-fn fitted(file: &PathBuf) -> Result<Arc<Case>, Fault> {
+fn fitted(file: &Path) -> Result<Arc<Case>, Fault> {
     let catalogue = ::effects::catalogue();
     let case = Arc::new(input::read_case(file, &catalogue)?);
     let (faults, _) = analysis::needs(&case, &catalogue);
@@ -67,7 +73,7 @@ pub fn identify(
     Ok((json, in_python(py, &curves)))
 }
 
-fn identified(case: &Arc<Case>, wire: &Wire) -> Result<(IdentifyAnswer, Vec<Curve>), Fault> {
+fn identified(case: &Arc<Case>, wire: &Wire) -> Result<(IdentifyAnswer, Curves), Fault> {
     let published = report::Published::of(case)?;
     let catalogue = ::effects::catalogue();
     let (begun, meter) = (Instant::now(), Meter::new(true));
@@ -80,7 +86,7 @@ fn identified(case: &Arc<Case>, wire: &Wire) -> Result<(IdentifyAnswer, Vec<Curv
     let replayed = analysis::replay(&done, &still)?;
     let mut answer = IdentifyAnswer::new(&done, &replayed, published.as_ref(), begun.elapsed().as_secs_f64());
     answer.cost = meter.spent();
-    Ok((answer, report::identified_curves(&done, &replayed)))
+    Ok((answer, (report::identified_curves(&done, &replayed), slopes(&done))))
 }
 
 /// The answer of `fct diagnose --json` at the file's values.
@@ -135,7 +141,9 @@ pub fn discover(
             None => None,
         };
         found.cost = meter.spent();
-        let curves = last.as_ref().map_or_else(Vec::new, |l| report::identified_curves(&l.done, &l.replayed));
+        let curves =
+            last.as_ref().map(|l| (report::identified_curves(&l.done, &l.replayed), slopes(&l.done)));
+        let curves = curves.unwrap_or_default();
         let last = last.map(|l| serde_json::to_string(&l.answer)).transpose()?;
         Ok((serde_json::to_string(&found)?, last, curves))
     })?;
@@ -163,12 +171,32 @@ pub fn simulate(
     })
 }
 
-/// Curves as bytes that arrays are laid over without a copy.
-fn in_python(py: Python<'_>, curves: &[Curve]) -> Vec<PyCurve> {
-    curves.iter().map(|c| one(py, c)).collect()
+type Curves = (Vec<Curve>, Slopes);
+
+/// Derivatives of every test's force by the free parameters, in the units of their answers.
+fn slopes(done: &analysis::Identified) -> Slopes {
+    let Some(jacobian) = done.fit.prediction.jacobian.as_ref() else { return Slopes::new() };
+    let shown: Vec<usize> = (0..done.free.len()).filter(|&k| !done.model.is_hidden(done.free[k])).collect();
+    let forces = done.measured.data.blocks.iter().zip(&done.measured.slots);
+    forces
+        .filter(|(_, slot)| slot.channel == model::Channel::Force)
+        .map(|(block, slot)| {
+            let column = |&k: &usize| {
+                let values = block.range.clone().map(|at| jacobian[(at, k)]).collect();
+                (done.frees[k].path.clone(), values)
+            };
+            (done.model.tests[slot.test].test.name.clone(), shown.iter().map(column).collect())
+        })
+        .collect()
 }
 
-fn one(py: Python<'_>, c: &Curve) -> PyCurve {
+/// Curves as bytes that arrays are laid over without a copy.
+fn in_python(py: Python<'_>, (curves, slopes): &Curves) -> Vec<PyCurve> {
+    let of = |c: &Curve| slopes.iter().find(|s| s.0 == c.test).map_or(&[][..], |s| &s.1);
+    curves.iter().map(|c| one(py, c, of(c))).collect()
+}
+
+fn one(py: Python<'_>, c: &Curve, slopes: &[(String, Vec<f64>)]) -> PyCurve {
     let bytes = |x: &mut dyn Iterator<Item = f64>| {
         let raw: Vec<u8> = x.flat_map(f64::to_ne_bytes).collect();
         PyBytes::new(py, &raw).unbind()
@@ -184,5 +212,6 @@ fn one(py: Python<'_>, c: &Curve) -> PyCurve {
     columns.extend(
         c.columns.iter().map(|(name, x)| (name.clone(), bytes(&mut x.iter().map(|v| v.unwrap_or(f64::NAN))))),
     );
-    (c.test.clone(), columns, c.segment.clone())
+    let slopes = slopes.iter().map(|(path, x)| (path.clone(), plain(x))).collect();
+    (c.test.clone(), columns, c.segment.clone(), slopes)
 }

@@ -58,7 +58,7 @@ def here(tmp_path_factory):
         command(folder, "simulate", f"s{k}.toml")
         rows += f'[[specimens]]\nfile = "runs/s{k}/specimen.toml"\n'
     folder.joinpath("model.toml").write_text(MODEL)
-    tail = rows + '[[models]]\nname = "base"\nconfig = "model.toml"\n[repeats]\nbootstrap = 8\n'
+    tail = rows + '[[models]]\nname = "base"\nconfig = "model.toml"\n[repeats]\nbootstrap = 20\n'
     for name in ("serial", "threads", "processes", "dask"):
         folder.joinpath(f"{name}.toml").write_text(f'folder = "{name}"\n{tail}')
     command(folder, "campaign", "run", "serial.toml", "--threads", "1")
@@ -71,13 +71,13 @@ def results(folder):
 
 def finish(here, name, executor):
     end = fct.campaign.run(here / f"{name}.toml", executor)
-    assert (end["done"], end["failed"], end["set_aside"]) == (18, 0, 0)
+    assert (end["done"], end["failed"], end["set_aside"]) == (42, 0, 0)
     assert results(here / name) == results(here / "serial")
 
 
 def test_threads_and_the_command_share_a_study(here):
     command(here, "campaign", "run", "threads.toml", "--shard", "1/2", "--threads", "1")
-    assert fct.campaign.status(here / "threads.toml")["done"] == 9
+    assert fct.campaign.status(here / "threads.toml")["done"] == 21
     with ThreadPoolExecutor(2) as pool:
         finish(here, "threads", pool)
     report = fct.campaign.report(here / "threads.toml")
