@@ -2,7 +2,7 @@
 
 use crate::commands::{
     add, batch, check, compare, design, diagnose, discover, drop, effects, identify, import, ladder, new,
-    report, simulate,
+    report, simulate, workbench,
 };
 pub use crate::flags::Common;
 use crate::flags::{Answers, Draws, Makes, Runs, Shows, With, Writes};
@@ -95,6 +95,9 @@ pub enum Command {
         after_help = "Examples:\n  fct report runs/base\n  fct report runs/base runs/more --out ladder.html"
     )]
     Report(With<report::Arguments, Draws>),
+    /// One page in the browser: fit, ask what is missing, add it, watch the error fall
+    #[command(after_help = "Examples:\n  fct workbench\n  fct workbench strip_RawData_1.csv --port 8080")]
+    Workbench(With<workbench::Arguments, Answers>),
 }
 
 impl Command {
@@ -116,6 +119,7 @@ impl Command {
             Self::Batch(a) => (&a.flags).into(),
             Self::Effects(a) => (&a.flags).into(),
             Self::Report(a) => (&a.flags).into(),
+            Self::Workbench(a) => (&a.flags).into(),
         }
     }
 }

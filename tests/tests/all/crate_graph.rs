@@ -42,10 +42,23 @@ const MAY_SEE: &[(&str, &[&str])] = &[
             "params",
         ],
     ),
-    // 5
+    // 5. The commands themselves are handed to it: it runs none by itself.
+    ("workbench", &["analysis", "input", "model", "params", "report"]),
+    // 6
     (
         "fct-cli",
-        &["analysis", "diagnose", "effects", "input", "inverse", "model", "params", "records", "report"],
+        &[
+            "analysis",
+            "diagnose",
+            "effects",
+            "input",
+            "inverse",
+            "model",
+            "params",
+            "records",
+            "report",
+            "workbench",
+        ],
     ),
     // See all.
     ("hidden-suite", &["*"]),
@@ -58,6 +71,7 @@ const TESTS_MAY_SEE: &[(&str, &[&str])] = &[
     ("input", &["laws"]),
     ("effects", &["hgo", "laws"]),
     ("fct-cli", &["laws"]),
+    ("workbench", &["effects"]),
     ("diagnose", &["params"]),
     ("analysis", &["effects"]),
     ("model", &["effects"]),

@@ -18,6 +18,7 @@ pub mod report;
 mod rungs;
 pub mod simulate;
 mod unfinished;
+pub mod workbench;
 
 use crate::cli::Command;
 use crate::outcome::{Failure, Outcome};
@@ -44,5 +45,6 @@ pub fn run(command: &Command, session: &Session) -> Result<Outcome, Failure> {
         Command::Batch(a) => batch::run(&a.own, session),
         Command::Effects(a) => effects::run(&a.own, session),
         Command::Report(a) => report::run(&a.own, session),
+        Command::Workbench(a) => workbench::run(&a.own, session),
     }
 }
