@@ -2,7 +2,7 @@
 
 use crate::commands::{
     add, batch, campaign, check, compare, completions, design, diagnose, discover, drop, effects, export,
-    identify, import, ladder, man, new, report, schema, simulate,
+    identify, import, ladder, man, new, report, schema, simulate, workbench,
 };
 pub use crate::flags::Common;
 use crate::flags::{Answers, Draws, Makes, Runs, Shows, With, Writes};
@@ -118,6 +118,9 @@ pub enum Command {
     /// The manual page of fct, or of one command
     #[command(after_help = "Examples:\n  fct man > fct.1\n  fct man identify > fct-identify.1")]
     Man(With<man::Arguments, Shows>),
+    /// One page in the browser: fit, ask what is missing, add it, watch the error fall
+    #[command(after_help = "Examples:\n  fct workbench\n  fct workbench strip_RawData_1.csv --port 8080")]
+    Workbench(With<workbench::Arguments, Answers>),
 }
 
 impl Command {
@@ -144,6 +147,7 @@ impl Command {
             Self::Schema(a) => (&a.flags).into(),
             Self::Completions(a) => (&a.flags).into(),
             Self::Man(a) => (&a.flags).into(),
+            Self::Workbench(a) => (&a.flags).into(),
         }
     }
 }

@@ -22,14 +22,21 @@ pub fn panics_are_told() {
 
 /// Runs the program; a panic becomes exit code 1 with what it said.
 pub fn guarded(json: bool, run: impl FnOnce() -> ExitCode) -> ExitCode {
-    catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|_| {
+    caught(run).unwrap_or_else(|fault| fault.tell(json))
+}
+
+/// Runs something; a panic becomes a failure with what it said.
+///
+/// # Errors
+/// If it panics.
+pub fn caught<T>(run: impl FnOnce() -> T) -> Result<T, Failure> {
+    catch_unwind(AssertUnwindSafe(run)).map_err(|_| {
         let told = TOLD.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take();
         let said = told.unwrap_or_else(|| "no reason given".into());
         Failure::compute(format!(
             "fct: this is a fault of fct itself ({said}); nothing that was there before was changed. Please report it \
              with the input files"
         ))
-        .tell(json)
     })
 }
 

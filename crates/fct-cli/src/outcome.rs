@@ -116,7 +116,7 @@ fn bare(message: &str) -> &str {
 }
 
 /// Prints to stdout. A closed pipe (`fct … | head`) is no fault of the user's; a full disk is one to be told.
-fn print(text: &str) -> std::io::Result<()> {
+pub fn print(text: &str) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),

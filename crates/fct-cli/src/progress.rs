@@ -5,8 +5,9 @@ use crate::outcome::say;
 use console::Term;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
+use workbench::Listener;
 
 /// Least time before the first plain line, and between two: what is done sooner needs none.
 const QUIET_TIME: Duration = Duration::from_secs(10);
@@ -27,6 +28,7 @@ pub struct Progress {
     bar: Option<ProgressBar>,
     plain: bool,
     title: String,
+    listener: Option<Arc<dyn Listener>>,
     state: Mutex<State>,
 }
 
@@ -60,11 +62,21 @@ impl Progress {
             objective: None,
             falls: Vec::new(),
         };
-        Self { bar, plain: !terminal && !quiet, title, state: Mutex::new(state) }
+        Self { bar, plain: !terminal && !quiet, title, listener: None, state: Mutex::new(state) }
+    }
+
+    /// Progress that somebody else shows.
+    pub fn told_to(title: &str, listener: Arc<dyn Listener>) -> Self {
+        let mut out = Self::new(title, true);
+        out.listener = Some(listener);
+        out
     }
 
     /// A remark on what is being done.
     pub fn note(&self, text: &str) {
+        if let Some(listener) = &self.listener {
+            listener.note(text);
+        }
         if let Some(bar) = &self.bar {
             bar.set_message(fitted(&[self.spent(), input::visible(text)], self.room()));
         } else if self.plain && self.due() {
@@ -92,6 +104,9 @@ impl Progress {
 
     /// A model run of a search.
     pub fn search(&self, p: &analysis::Progress) {
+        if let Some(listener) = &self.listener {
+            listener.iterate(p);
+        }
         let Some(told) = self.told(p) else { return };
         if let Some(bar) = &self.bar {
             bar.set_message(told.short(self.room()));

@@ -13,6 +13,7 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use workbench::Listener;
 
 /// A running `fct`.
 pub struct Session {
@@ -23,6 +24,10 @@ pub struct Session {
     cancelled: Arc<AtomicBool>,
     /// Nothing is being done but waiting for an answer.
     waiting: Arc<AtomicBool>,
+    /// The command line, as it stands in the run's record.
+    arguments: Vec<String>,
+    /// Who hears what is otherwise said on stderr.
+    listener: Option<Arc<dyn Listener>>,
 }
 
 impl Session {
@@ -49,7 +54,26 @@ impl Session {
             say("\nfct: stopping after this step; press Ctrl-C again to stop at once");
         });
         handled.map_err(|e| Failure::compute(format!("fct: cannot listen for Ctrl-C: {e}")))?;
-        Ok(Self { common: common.clone(), catalogue: effects::catalogue(), cancelled, waiting })
+        let arguments = std::env::args_os().map(|a| a.to_string_lossy().into_owned()).collect();
+        let (common, catalogue) = (common.clone(), effects::catalogue());
+        Ok(Self { common, catalogue, cancelled, waiting, arguments, listener: None })
+    }
+
+    /// A session within this one, for a command of the workbench: stops when `cancelled`, says everything to `listener`.
+    pub fn within(
+        common: &Common,
+        arguments: Vec<String>,
+        cancelled: Arc<AtomicBool>,
+        listener: Arc<dyn Listener>,
+    ) -> Self {
+        Self {
+            common: common.clone(),
+            catalogue: effects::catalogue(),
+            cancelled,
+            waiting: Arc::default(),
+            arguments,
+            listener: Some(listener),
+        }
     }
 
     /// Waits for the user: Ctrl-C ends the program at once.
@@ -133,16 +157,21 @@ impl Session {
         Ok(Arc::new(case))
     }
 
-    /// A remark on stderr, unless `--quiet`.
+    /// A remark on stderr, unless `--quiet`, or for whoever listens.
     pub fn say(&self, text: &str) {
-        if !self.common.quiet {
-            say(text);
+        match &self.listener {
+            Some(listener) => listener.note(text),
+            None if !self.common.quiet => say(text),
+            None => {}
         }
     }
 
-    /// Progress on stderr.
+    /// Progress on stderr, or for whoever listens.
     pub fn progress(&self, title: &str) -> Progress {
-        Progress::new(title, self.common.quiet)
+        match &self.listener {
+            Some(listener) => Progress::told_to(title, listener.clone()),
+            None => Progress::new(title, self.common.quiet),
+        }
     }
 
     /// Colours on stdout?
@@ -167,7 +196,7 @@ impl Session {
     pub fn info(&self, command: &str, case: &Case, complete: bool) -> RunInfo {
         RunInfo {
             command: command.to_owned(),
-            arguments: std::env::args_os().map(|a| a.to_string_lossy().into_owned()).collect(),
+            arguments: self.arguments.clone(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             inputs: case.inputs.clone(),
             complete,

@@ -44,12 +44,32 @@ const MAY_SEE: &[(&str, &[&str])] = &[
     ),
     // 5
     ("campaign", &["analysis", "input", "inverse", "model", "report"]),
+    // 5. The commands themselves are handed to it: it runs none by itself.
+    ("workbench", &["analysis", "input", "model", "params", "report"]),
     // 6
     (
         "fct-cli",
         &[
-            "analysis", "campaign", "diagnose", "effects", "input", "inverse", "model", "params", "records",
+            "analysis",
+            "campaign",
+            "diagnose",
+            "effects",
+            "input",
+            "inverse",
+            "model",
+            "params",
+            "records",
             "report",
+            "analysis",
+            "diagnose",
+            "effects",
+            "input",
+            "inverse",
+            "model",
+            "params",
+            "records",
+            "report",
+            "workbench",
         ],
     ),
     // See all.
@@ -63,6 +83,7 @@ const TESTS_MAY_SEE: &[(&str, &[&str])] = &[
     ("input", &["laws"]),
     ("effects", &["hgo", "laws"]),
     ("fct-cli", &["laws"]),
+    ("workbench", &["effects"]),
     ("diagnose", &["params"]),
     ("analysis", &["effects"]),
     ("model", &["effects"]),

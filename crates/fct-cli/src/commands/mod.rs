@@ -23,6 +23,7 @@ mod rungs;
 pub mod schema;
 pub mod simulate;
 mod unfinished;
+pub mod workbench;
 
 use crate::cli::Command;
 use crate::outcome::{Failure, Outcome};
@@ -54,5 +55,6 @@ pub fn run(command: &Command, session: &Session) -> Result<Outcome, Failure> {
         Command::Schema(a) => schema::run(&a.own, session),
         Command::Completions(a) => completions::run(&a.own),
         Command::Man(a) => man::run(&a.own),
+        Command::Workbench(a) => workbench::run(&a.own, session),
     }
 }

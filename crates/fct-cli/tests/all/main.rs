@@ -26,3 +26,4 @@ mod too_large;
 mod tutorial;
 #[path = "common/watched.rs"]
 mod watched;
+mod workbench_browser;

@@ -107,13 +107,23 @@ impl Page {
 
     /// Loads a file at a width, light or dark; gives the time until the page's load event, ms.
     pub fn load(&mut self, file: &Path, width: u32, scheme: &str) -> Outcome<f64> {
+        self.looks(width, scheme)?;
+        self.go(&format!("file://{}", file.display()))
+    }
+
+    /// How wide the window is, and whether it is light or dark.
+    pub fn looks(&mut self, width: u32, scheme: &str) -> Outcome<()> {
         let height = if width < 600 { 844 } else { 900 };
         let metrics =
             json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600 });
         self.call("Emulation.setDeviceMetricsOverride", metrics)?;
         let features = json!([{ "name": "prefers-color-scheme", "value": scheme }]);
-        self.call("Emulation.setEmulatedMedia", json!({ "features": features }))?;
-        self.call("Page.navigate", json!({ "url": format!("file://{}", file.display()) }))?;
+        self.call("Emulation.setEmulatedMedia", json!({ "features": features })).map(|_| ())
+    }
+
+    /// Goes to an address; gives the time until the page's load event, ms.
+    pub fn go(&mut self, url: &str) -> Outcome<f64> {
+        self.call("Page.navigate", json!({ "url": url }))?;
         let begun = Instant::now();
         loop {
             let state = self.ask("document.readyState === 'complete' && location.href !== 'about:blank' ? performance.getEntriesByType('navigation')[0].loadEventEnd : 0")?;
@@ -133,6 +143,41 @@ impl Page {
             Some(e) => Err(format!("{expression}: {e}").into()),
             None => Ok(answer["result"]["value"].clone()),
         }
+    }
+
+    /// The value that a JavaScript promise comes to.
+    pub fn ask_later(&mut self, promise: &str) -> Outcome<Value> {
+        let params = json!({ "expression": promise, "awaitPromise": true, "returnByValue": true });
+        Ok(self.call("Runtime.evaluate", params)?["result"]["value"].clone())
+    }
+
+    /// Waits until a JavaScript expression is true.
+    pub fn until(&mut self, expression: &str, patience: Duration) -> Outcome<()> {
+        let begun = Instant::now();
+        while self.ask(&format!("Boolean({expression})"))? != true {
+            if begun.elapsed() > patience {
+                let seen = self.text("body")?;
+                return Err(format!("not within {patience:?}: {expression}\n{seen}").into());
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        self.settle()
+    }
+
+    /// Presses a key, as a keyboard does.
+    pub fn press(&mut self, key: &str, code: u32, modifiers: u32) -> Outcome<()> {
+        // Enter and space come with a character.
+        let text = match key {
+            "Enter" => "\r",
+            " " => " ",
+            _ => "",
+        };
+        for kind in ["keyDown", "keyUp"] {
+            let event = json!({ "type": kind, "key": key, "code": key, "windowsVirtualKeyCode": code,
+                "modifiers": modifiers, "text": if kind == "keyDown" { text } else { "" } });
+            self.call("Input.dispatchKeyEvent", event)?;
+        }
+        self.settle()
     }
 
     /// Text of the first element that a selector finds.
@@ -173,7 +218,7 @@ impl Page {
     }
 
     /// Two frames, so that what was asked for is drawn.
-    fn settle(&mut self) -> Outcome<()> {
+    pub fn settle(&mut self) -> Outcome<()> {
         let frames = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))";
         let params = json!({ "expression": frames, "awaitPromise": true });
         self.call("Runtime.evaluate", params).map(|_| ())

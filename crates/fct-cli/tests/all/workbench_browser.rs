@@ -1,0 +1,241 @@
+//! The workbench in a real browser: `just browser`. Ignored where nobody asks, for it needs Chromium.
+
+use crate::common::{self, Tested};
+use crate::driver::{self, Page};
+use serde_json::{Value, json};
+use std::error::Error;
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+/// The longest that one answer of the workbench may take on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(240);
+const SOON: Duration = Duration::from_secs(30);
+
+/// A strip between clamps that give way: what the page is to find.
+const COMPLIANT: &str = "[solver]\nstep_mm = 0.1\n[output]\nnoise = 0.003\nseed = 3\nfields = false\n[effects.compliance]\nc_mm_per_N = 1.5\n";
+
+/// A running workbench.
+struct Bench {
+    child: Child,
+    url: String,
+}
+
+impl Bench {
+    fn open(folder: &Path, named: &[&str]) -> Result<Self, Box<dyn Error>> {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_fct"))
+            .args(["workbench", "--no-open", "--json"])
+            .args(named)
+            .current_dir(folder)
+            .stdout(Stdio::piped())
+            .spawn()?;
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().ok_or("no stdout")?).read_line(&mut line)?;
+        let told: Value = serde_json::from_str(&line)?;
+        let url = told["url"].as_str().ok_or("no address")?.to_owned();
+        Ok(Self { child, url })
+    }
+}
+
+impl Drop for Bench {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// A record of `fct simulate` as a testing machine's program writes it, without dimensions.
+fn raw(record: &Path) -> Result<String, Box<dyn Error>> {
+    let text = fs::read_to_string(record)?;
+    let rows = text.lines().filter(|l| l.starts_with(|c: char| c.is_ascii_digit()));
+    Ok(rows.fold("Time,Extension,Load\n(s),(mm),(N)\n".to_owned(), |all, row| {
+        let three: Vec<&str> = row.split(',').take(3).collect();
+        all + &three.join(",") + "\n"
+    }))
+}
+
+/// Drops a file on the page, as a hand does.
+fn drop_file(page: &mut Page, name: &str, content: &str) -> Tested {
+    let (name, content) = (json!(name), json!(content));
+    page.ask(&format!(
+        "(() => {{ const d = new DataTransfer(); d.items.add(new File([{content}], {name}));
+           document.querySelector('#drop').dispatchEvent(new DragEvent('drop', {{ dataTransfer: d, bubbles: true, cancelable: true }})); }})()"
+    ))?;
+    page.until(&format!("document.querySelector('#import').innerText.includes({name})"), SOON)
+}
+
+/// Writes into a field, as a keyboard does.
+fn fill(page: &mut Page, selector: &str, text: &str) -> Tested {
+    page.ask(&format!(
+        "(() => {{ const e = document.querySelector({selector:?}); e.focus(); e.select(); }})()"
+    ))?;
+    page.call("Input.insertText", json!({ "text": text })).map(|_| ())
+}
+
+const IDLE: &str = "document.querySelector('#busy').hidden && !document.body.classList.contains('working')";
+
+/// The misfit that the present step of the staircase shows, N.
+fn misfit(page: &mut Page) -> Result<f64, Box<dyn Error>> {
+    let rms = page.ask("Number(document.querySelector('[aria-current=step]').dataset.rms)")?;
+    Ok(rms.as_f64().ok_or("no misfit on the staircase")?)
+}
+
+fn present(page: &mut Page, title: &str, patience: Duration) -> Tested {
+    let there =
+        format!("document.querySelector('[aria-current=step] b')?.textContent === {title:?} && {IDLE}");
+    page.until(&there, patience)
+}
+
+#[test]
+#[ignore = "needs Chromium; `just browser`"]
+fn the_error_falls_in_the_hands() -> Tested {
+    let chromium = driver::found().ok_or("no chromium on the path and no $CHROMIUM")?;
+    let made = common::folder(&common::strip(COMPLIANT))?;
+    let out = common::fct(made.path(), &["simulate", "strip.toml", "--quiet"])?;
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    let folder = tempfile::tempdir()?;
+    let bench = Bench::open(folder.path(), &[])?;
+    let mut page = Page::open(&chromium)?;
+    page.looks(1280, "light")?;
+    let first = page.go(&bench.url)?;
+    assert!(first < 1000.0, "first paint after {first} ms");
+    assert_eq!(page.ask("location.search")?, "", "the token stays in no address");
+    assert_eq!(page.ask("document.cookie")?, "", "no script sees the token");
+    page.picture("workbench-empty", false)?;
+    specimen(&mut page, made.path())?;
+    fits(&mut page)?;
+    adds(&mut page)?;
+    again(&mut page, folder.path())?;
+    looks(&mut page)?;
+    assert_eq!(page.faults(), Vec::<String>::new());
+    let elsewhere: Vec<String> =
+        page.outside().into_iter().filter(|u| !u.starts_with("http://127.0.0.1:")).collect();
+    assert_eq!(elsewhere, Vec::<String>::new());
+    Ok(())
+}
+
+/// Raw files, the question of the importer, dimensions, a mesh.
+fn specimen(page: &mut Page, made: &Path) -> Tested {
+    // A column without a unit is asked for beside the file.
+    let unclear = raw(&made.join("runs/strip/uniaxial.csv"))?.replace("(N)", "()");
+    drop_file(page, "uniaxial.csv", &unclear)?;
+    page.until("document.querySelector('#questions button')", SOON)?;
+    page.picture("workbench-question", true)?;
+    page.click("#questions button")?;
+    page.until("document.querySelector('#geometry')", SOON)?;
+    drop_file(page, "tearing.csv", &raw(&made.join("runs/strip/tearing.csv"))?)?;
+    page.until("document.querySelectorAll('.understood').length === 2", SOON)?;
+    for (side, mm) in [("length", "8"), ("width", "6"), ("thickness", "0.8"), ("cut", "1.5")] {
+        fill(page, &format!("#g-{side}"), mm)?;
+    }
+    fill(page, "#g-name", "strip <b>1</b>")?;
+    let drawn = page.ask("document.querySelector('.strip').getAttribute('aria-label')")?;
+    assert!(drawn.as_str().is_some_and(|d| d.contains("width 6 mm") && d.contains("cut 1.5 mm")), "{drawn}");
+    page.picture("workbench-geometry", true)?;
+    page.click("#geometry button[type=submit]")?;
+    page.until("document.querySelector('#name').innerText === 'strip <b>1</b>'", SOON)?;
+    page.until("document.querySelectorAll('#charts figure').length === 2", SOON)?;
+    page.ask("document.querySelector('#mesh').open = true")?;
+    for (field, n) in [("#d0", "8"), ("#d1", "8"), ("#d2", "1"), ("#areas", "1")] {
+        fill(page, field, n)?;
+    }
+    page.click("#model button")?;
+    present(page, "Model", SOON)
+}
+
+/// A fit that moves while it runs; a slider whose curve follows at once, and the exact run on release.
+fn fits(page: &mut Page) -> Tested {
+    page.click("#fit")?;
+    page.until("document.querySelector('#doing').textContent.includes('objective')", PATIENCE)?;
+    page.picture("workbench-fitting", false)?;
+    present(page, "Fit", PATIENCE)?;
+    assert!(page.text("#key")?.contains("N/mm"), "Gc with its unit");
+    let before = misfit(page)?;
+    let slider = "[data-path='bulk.k1'] input[type=range]";
+    let moved = page.ask(&format!(
+        "(() => {{ const s = document.querySelector({slider:?}), f = document.querySelector('#charts figure');
+           const was = Number(f.dataset.rms); s.value = Number(s.value) + 60; s.dispatchEvent(new Event('input'));
+           return [was, Number(f.dataset.rms), Number(f.dataset.ms)]; }})()"
+    ))?;
+    assert!(moved[1].as_f64() > moved[0].as_f64(), "the linear curve follows: {moved}");
+    assert!(moved[2].as_f64().is_some_and(|ms| ms < 16.0), "within a frame: {moved}");
+    page.picture("workbench-slider", false)?;
+    page.ask(&format!("document.querySelector({slider:?}).dispatchEvent(new Event('change'))"))?;
+    present(page, "Values set", PATIENCE)?;
+    assert!(misfit(page)? > before, "{before}");
+    assert!(page.text("#linear")?.contains("differs from the linear curve by up to"));
+    // Undo by the keyboard.
+    page.press("z", 90, 2)?;
+    present(page, "Fit", SOON)
+}
+
+/// What leads is added, and the error falls to the noise.
+fn adds(page: &mut Page) -> Tested {
+    let before = misfit(page)?;
+    page.click("#diagnose")?;
+    page.until(&format!("document.querySelector('#effects li') && {IDLE}"), PATIENCE)?;
+    let names = page.ask("[...document.querySelectorAll('#effects li b')].map(b => b.textContent)")?;
+    let told = page.text("#effects li")?;
+    assert!(told.contains("of χ²"), "{told}");
+    assert_eq!(names[0], "compliance", "{names}");
+    // By the keyboard alone.
+    page.ask("document.querySelector('[data-add=compliance]').focus()")?;
+    page.press("Enter", 13, 0)?;
+    present(page, "+ compliance", PATIENCE)?;
+    let after = misfit(page)?;
+    println!("misfit {before:.3e} N, with compliance {after:.3e} N");
+    assert!(after < 0.7 * before, "{before} {after}");
+    page.until("document.querySelector('#effects .present b').textContent === 'compliance'", SOON)
+}
+
+/// A reload, and a terminal, see the same; undo goes back.
+fn again(page: &mut Page, folder: &Path) -> Tested {
+    let (after, steps) = (misfit(page)?, page.ask("document.querySelectorAll('[data-step]').length")?);
+    page.call("Page.reload", json!({}))?;
+    page.until("document.querySelector('[aria-current=step]')", SOON)?;
+    present(page, "+ compliance", SOON)?;
+    assert_eq!((misfit(page)?, page.ask("document.querySelectorAll('[data-step]').length")?), (after, steps));
+    let commands = page.text("#commands")?;
+    for word in [
+        "cd '",
+        "fct import",
+        "--kind=uniaxial,tearing",
+        "fct diagnose",
+        "fct add compliance",
+        "fct identify",
+    ] {
+        assert!(commands.contains(word), "{word} in\n{commands}");
+    }
+    // The run is an ordinary one, and its report can be saved.
+    let run = page.ask("document.querySelectorAll('#links a')[1].getAttribute('href')")?;
+    let run =
+        run.as_str().and_then(|r| r.strip_prefix("/files/")?.strip_suffix("/report.html")).ok_or("a run")?;
+    let (code, compared, _) = common::json(folder, &["compare", run])?;
+    assert_eq!((code, compared["schema"].as_u64()), (0, Some(1)));
+    let saved = page.ask_later("fetch(document.querySelectorAll('#links a')[1].href).then(r => r.text()).then(t => t.includes('name=\"generator\" content=\"fct\"'))")?;
+    assert_eq!(saved, true);
+    page.click("#undo")?;
+    present(page, "Fit", SOON)?;
+    assert!(misfit(page)? > after);
+    page.click("#redo")?;
+    present(page, "+ compliance", SOON)
+}
+
+/// Nothing is wider than its window; everything that is pressed has a name; labels of fields are theirs.
+fn looks(page: &mut Page) -> Tested {
+    for (width, scheme) in [(1280, "light"), (1280, "dark"), (390, "light"), (390, "dark")] {
+        page.looks(width, scheme)?;
+        page.settle()?;
+        page.picture(&format!("workbench-{width}-{scheme}"), true)?;
+        let wide = page.ask("document.documentElement.scrollWidth")?.as_u64();
+        assert!(wide.is_some_and(|w| w <= u64::from(width)), "{wide:?} px at {width}");
+    }
+    let nameless = page.ask(
+        "[...document.querySelectorAll('button, input, select, canvas, svg, a')].filter(e => !(e.innerText || e.getAttribute('aria-label')
+           || e.labels?.length || e.getAttribute('aria-labelledby'))).map(e => e.outerHTML)",
+    )?;
+    assert_eq!(nameless, json!([]));
+    Ok(())
+}

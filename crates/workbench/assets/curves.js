@@ -1,0 +1,97 @@
+// Record, model and misfit of every test.
+import { byId, el, fill, show } from "./dom.js";
+import { draw } from "./plot.js";
+
+const axes = { u: "displacement, mm", t: "time, s", front: "tear front of the model, mm" };
+let axis = "u", curves = [], jacobian = null, shift = null;
+
+// The force of a test where parameters are moved by `shift` (path → change): the linear response.
+export function linear(curve, moved = shift) {
+  const columns = jacobian?.tests?.[curve.test];
+  if (!moved || !columns || !curve.m) return null;
+  const out = curve.m.slice();
+  jacobian.paths.forEach((path, k) => {
+    const step = moved[path];
+    if (step) for (let i = 0; i < out.length; i++) out[i] += step * (columns[k][i] ?? 0);
+  });
+  return out;
+}
+
+export const canMove = path => jacobian?.paths?.includes(path) ?? false;
+
+export function move(moved) {
+  shift = moved;
+  paint();
+}
+
+// What the exact run says otherwise than the linear curve did, N.
+export function difference(before, after) {
+  let most = 0;
+  for (const curve of after) {
+    const was = before[curve.test];
+    if (was && curve.m) for (let i = 0; i < Math.min(was.length, curve.m.length); i++) most = Math.max(most, Math.abs(was[i] - curve.m[i]));
+  }
+  return most;
+}
+
+export function shown() {
+  return Object.fromEntries(curves.map(c => [c.test, linear(c)]).filter(c => c[1]));
+}
+
+export function set(state) {
+  [curves, jacobian, shift] = [state.curves, state.jacobian, null];
+  const charts = byId("charts"), wanted = curves.map(c => c.test).join("\n");
+  if (charts.dataset.tests !== wanted) {
+    charts.dataset.tests = wanted;
+    fill(charts, curves.map(c => el("figure", { "data-test": c.test },
+      el("figcaption", {}, c.test),
+      el("canvas", { class: "force", role: "img" }),
+      el("canvas", { class: "misfit", role: "img" }))));
+  }
+  byId("curves").hidden = curves.length === 0;
+  for (const button of byId("axis").children) {
+    button.disabled = button.dataset.axis === "front" && !curves.some(c => c.front);
+  }
+  paint();
+}
+
+export function paint() {
+  for (const figure of byId("charts").children) {
+    const curve = curves.find(c => c.test === figure.dataset.test);
+    if (curve) paintOne(figure, curve);
+  }
+}
+
+function paintOne(figure, curve) {
+  const begun = performance.now(), x = curve[axis] ?? curve.u, label = curve[axis] ? axes[axis] : axes.u;
+  const moved = linear(curve), series = [];
+  if (curve.noise) series.push({ y: curve.f, kind: "band", colour: "band", half: 2 * curve.noise });
+  series.push({ y: curve.f, kind: "dots", colour: "record" });
+  if (curve.m) series.push({ y: curve.m, kind: "line", colour: "model" });
+  if (moved) series.push({ y: moved, kind: "dash", colour: "linear" });
+  const [force, misfit] = figure.querySelectorAll("canvas");
+  draw(force, { x, series, xlabel: label, ylabel: "force, N" });
+  misfit.hidden = !curve.m;
+  const rest = (moved ?? curve.m)?.map((m, i) => curve.f[i] - m);
+  if (rest) {
+    const zero = rest.map(() => 0), band = { y: zero, kind: "band", colour: "band", half: 2 * curve.noise };
+    draw(misfit, { x, series: [band, { y: rest, kind: "dots", colour: moved ? "linear" : "model" }],
+      least: [[-2 * curve.noise, 2 * curve.noise]], xlabel: label, ylabel: "misfit, N" });
+    const rms = Math.sqrt(rest.reduce((s, r) => s + r * r, 0) / rest.length);
+    misfit.setAttribute("aria-label", `Misfit of ${curve.test}: root mean square ${show(rms)} N, noise ${show(curve.noise)} N`);
+    figure.dataset.rms = rms;
+  }
+  const peak = Math.max(...curve.f.map(Math.abs));
+  force.setAttribute("aria-label", `${curve.test}: ${curve.f.length} points, largest force ${show(peak)} N${curve.m ? ", with the model's curve" : ""}`);
+  figure.dataset.ms = performance.now() - begun;
+}
+
+export function begin() {
+  for (const button of byId("axis").children) button.addEventListener("click", () => {
+    axis = button.dataset.axis;
+    for (const b of byId("axis").children) b.setAttribute("aria-pressed", b === button);
+    paint();
+  });
+  new ResizeObserver(() => paint()).observe(byId("charts"));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
+}

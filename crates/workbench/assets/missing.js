@@ -1,0 +1,64 @@
+// The staircase of the error, and what is missing.
+import { byId, el, fill, percent, show } from "./dom.js";
+
+let ask = () => {};
+
+export function begin(send) {
+  ask = send;
+  byId("diagnose").addEventListener("click", () => ask({ do: "diagnose" }));
+  byId("discover").addEventListener("click", () => ask({ do: "discover" }));
+  byId("add").addEventListener("click", () => ask({ do: "add", effect: byId("effect").value }));
+}
+
+// One button per step; its bar is the misfit, as a share of the largest.
+function stairs(state) {
+  const most = Math.max(...state.steps.map(s => s.fit?.rms_N ?? 0), Number.MIN_VALUE);
+  const steps = state.steps.map((step, k) => {
+    const fit = step.fit, bar = el("span", { class: "bar", "aria-hidden": "true" }, el("span", {}));
+    bar.firstChild.style.height = `${fit ? Math.max(2, 100 * fit.rms_N / most) : 0}%`;
+    const words = fit ? [`misfit ${show(fit.rms_N)} N`, `${percent(fit.share_of_peak)} of the peak`, `χ² ${show(fit.reduced_chi2)}`] : ["no model yet"];
+    return el("li", {}, el("button", { type: "button", class: k > state.cursor ? "undone" : "", "data-step": String(k),
+      "aria-current": k === state.cursor ? "step" : null, "data-rms": fit ? String(fit.rms_N) : null, onclick: () => ask({ do: "go", step: k }) },
+      bar, el("b", {}, step.title), words.map(w => el("span", {}, w))));
+  });
+  fill(byId("stairs").querySelector("ol"), steps);
+  byId("stairs").hidden = steps.length === 0;
+}
+
+// How much an effect is in question: its probability where the search gives one, else the share of χ² that it would take.
+function amounts(diagnosis) {
+  const posterior = diagnosis.posterior?.effects;
+  return row => posterior ? posterior[row.effect] ?? 0 : row.expected_fall;
+}
+
+function bars(state) {
+  const d = state.diagnosis, present = state.specimen?.effects ?? [], amount = d ? amounts(d) : null;
+  const dropping = present.map(e => el("li", { class: "present" }, el("b", {}, e), el("span", { class: "muted" }, "in the model"),
+    el("button", { type: "button", "data-drop": e, onclick: () => ask({ do: "drop", effect: e }) }, `Take ${e} away`)));
+  const rows = (d?.screen ?? []).filter(r => !present.includes(r.effect)).slice(0, 12).map(r => {
+    const share = Math.max(0, Math.min(1, amount(r))), bar = el("span", { class: "share", "aria-hidden": "true" }, el("span", {}));
+    bar.firstChild.style.width = `${100 * share}%`;
+    const told = d.posterior ? `probability ${percent(share)}` : `would take ${percent(share)} of χ²`;
+    return el("li", { class: r.significant ? "" : "faint" }, el("b", {}, r.effect), bar, el("span", { class: "muted" }, told),
+      el("button", { type: "button", "data-add": r.effect, onclick: () => ask({ do: "add", effect: r.effect }) }, `Add ${r.effect}`),
+      el("p", {}, r.sentence, r.look_alikes.length ? ` These records cannot tell it from ${r.look_alikes.join(", ")}.` : ""));
+  });
+  const others = d?.posterior ? [["nothing is missing", d.posterior.nothing], ["something else", d.posterior.something_else]] : [];
+  const rest = others.filter(o => Number.isFinite(o[1])).map(([name, p]) => {
+    const bar = el("span", { class: "share", "aria-hidden": "true" }, el("span", {}));
+    bar.firstChild.style.width = `${100 * p}%`;
+    return el("li", {}, el("b", {}, name), bar, el("span", { class: "muted" }, `probability ${percent(p)}`));
+  });
+  fill(byId("effects"), dropping, rows, rest);
+  fill(byId("words"), (d?.words ?? []).map(w => el("li", {}, w)));
+}
+
+export function set(state) {
+  stairs(state);
+  bars(state);
+  const fitted = Boolean(state.run && state.answer), select = byId("effect"), chosen = select.value;
+  byId("missing").hidden = !state.specimen;
+  byId("diagnose").disabled = !fitted;
+  const others = state.effects.filter(e => !(state.specimen?.effects ?? []).includes(e.name));
+  fill(select, others.map(e => el("option", { value: e.name, title: e.summary, selected: e.name === chosen }, e.name)));
+}

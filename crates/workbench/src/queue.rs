@@ -1,0 +1,169 @@
+//! One worker: one thing at a time, the newest that was asked for.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+
+/// Flags of what is being done.
+#[derive(Clone, Debug, Default)]
+pub struct Job {
+    /// It is to end soon.
+    pub cancelled: Arc<AtomicBool>,
+    /// Nobody wants its result any more: something newer was asked for.
+    pub superseded: Arc<AtomicBool>,
+}
+
+impl Job {
+    /// Whether nobody wants the result.
+    pub fn is_superseded(&self) -> bool {
+        self.superseded.load(Ordering::SeqCst)
+    }
+}
+
+struct Inner<T> {
+    pending: Option<T>,
+    running: Option<Job>,
+    closed: bool,
+}
+
+/// What is asked for.
+pub struct Queue<T> {
+    inner: Mutex<Inner<T>>,
+    bell: Condvar,
+}
+
+impl<T> Default for Queue<T> {
+    fn default() -> Self {
+        let inner = Inner { pending: None, running: None, closed: false };
+        Self { inner: Mutex::new(inner), bell: Condvar::new() }
+    }
+}
+
+impl<T> Queue<T> {
+    fn lock(&self) -> MutexGuard<'_, Inner<T>> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Asks for something; what runs is cancelled, and its result thrown away.
+    pub fn ask(&self, what: T) {
+        let mut inner = self.lock();
+        inner.pending = Some(what);
+        supersede(&inner);
+        self.bell.notify_all();
+    }
+
+    /// Cancels what runs and forgets what waits; the best of what runs is kept.
+    pub fn stop(&self) {
+        let mut inner = self.lock();
+        inner.pending = None;
+        if let Some(job) = &inner.running {
+            job.cancelled.store(true, Ordering::SeqCst);
+        }
+    }
+
+    /// Cancels what runs and forgets what waits, results too.
+    pub fn forget(&self) {
+        let mut inner = self.lock();
+        inner.pending = None;
+        supersede(&inner);
+    }
+
+    /// Whether something runs or waits.
+    pub fn is_busy(&self) -> bool {
+        let inner = self.lock();
+        inner.running.is_some() || inner.pending.is_some()
+    }
+
+    /// Does what is asked for, until closed.
+    pub fn work(&self, mut perform: impl FnMut(T, &Job)) {
+        while let Some((what, job)) = self.next() {
+            perform(what, &job);
+            self.lock().running = None;
+        }
+    }
+
+    fn next(&self) -> Option<(T, Job)> {
+        let mut inner = self.lock();
+        loop {
+            if inner.closed {
+                return None;
+            }
+            if let Some(what) = inner.pending.take() {
+                let job = Job::default();
+                inner.running = Some(job.clone());
+                return Some((what, job));
+            }
+            inner = self.bell.wait(inner).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// Ends the work; what runs is stopped.
+    pub fn close(&self) {
+        self.stop();
+        self.lock().closed = true;
+        self.bell.notify_all();
+    }
+}
+
+fn supersede<T>(inner: &Inner<T>) {
+    if let Some(job) = &inner.running {
+        job.superseded.store(true, Ordering::SeqCst);
+        job.cancelled.store(true, Ordering::SeqCst);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc;
+    use std::time::{Duration, Instant};
+
+    /// Works until cancelled, and tells what it did.
+    fn patient(queue: &Queue<u32>, told: &mpsc::Sender<(u32, bool)>) {
+        queue.work(|what, job| {
+            let begun = Instant::now();
+            while what > 1
+                && !job.cancelled.load(Ordering::SeqCst)
+                && begun.elapsed() < Duration::from_secs(20)
+            {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            let _ = told.send((what, job.is_superseded()));
+        });
+    }
+
+    #[test]
+    fn the_newest_cancels_the_older_within_a_tenth_of_a_second() -> Result<(), mpsc::RecvTimeoutError> {
+        let (queue, (told, heard)) = (Queue::default(), mpsc::channel());
+        let wait = Duration::from_secs(10);
+        std::thread::scope(|scope| {
+            scope.spawn(|| patient(&queue, &told));
+            queue.ask(9);
+            while queue.lock().running.is_none() {
+                std::thread::yield_now();
+            }
+            let asked = Instant::now();
+            // The one between them is never begun.
+            queue.ask(8);
+            queue.ask(1);
+            let first = heard.recv_timeout(wait);
+            let late = asked.elapsed();
+            let rest = [heard.recv_timeout(wait), {
+                queue.ask(7);
+                Ok((0, false))
+            }];
+            while queue.lock().running.is_none() {
+                std::thread::yield_now();
+            }
+            queue.stop();
+            let stopped = heard.recv_timeout(wait);
+            queue.close();
+            assert_eq!(first?, (9, true));
+            assert!(late < Duration::from_millis(100), "{late:?}");
+            // 8 may have begun before 1 was asked for.
+            let next = rest[0]?;
+            assert!(next == (1, false) || next == (8, true), "{next:?}");
+            assert!(!stopped?.1, "what is stopped keeps its best");
+            Ok(())
+        })
+    }
+}
