@@ -55,7 +55,7 @@ pub use diagnostics::{Diagnostic, Diagnostics, Excerpt, Severity};
 pub use inputs::{InputFile, sha256};
 pub use keys::{Fallback, Key, Kind, Limits, keys};
 pub use locate::locate;
-pub use read::{LARGEST_TOML, Reading, keys_of_law, read_case, read_case_as};
+pub use read::{LARGEST_TOML, Reading, keys_of_law, name_fault, read_case, read_case_as};
 pub use registry::{EffectRegistry, LawRegistry, LawSite, OptionKind, OptionSpec};
 pub use schema::json_schema;
 pub use study::{Row, Study, StudyModel, Task, read_study};

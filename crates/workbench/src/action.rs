@@ -140,6 +140,10 @@ impl ImportRequest {
             return Ok(None);
         }
         let name = self.name.trim();
+        if let Some(why) = input::name_fault(name).filter(|_| !name.is_empty()) {
+            let name = input::visible(name);
+            return Err(BenchError::Asked(format!("the specimen's name \"{name}\": {why}")));
+        }
         // JSON escapes of a string are TOML's too.
         let name =
             if name.is_empty() { String::new() } else { format!("name = {}\n", serde_json::json!(name)) };
@@ -171,16 +175,19 @@ mod tests {
     fn dimensions_are_lengths() {
         let request = |key: &str, value: f64| ImportRequest {
             geometry: [(key.to_owned(), value)].into(),
-            name: "a \"b\"".into(),
+            name: " a 'b' & c".into(),
             ..ImportRequest::default()
         };
         let text = request("width", 6.0).geometry_toml().ok().flatten().unwrap_or_default();
-        assert_eq!(text, "name = \"a \\\"b\\\"\"\n[geometry]\nwidth_mm = 6.0\n");
+        assert_eq!(text, "name = \"a 'b' & c\"\n[geometry]\nwidth_mm = 6.0\n");
         for bad in
             [request("width", 0.0), request("cut", -1.0), request("height", 1.0), request("width", f64::NAN)]
         {
             assert!(bad.geometry_toml().is_err(), "{bad:?}");
         }
         assert!(request("cut", 0.0).geometry_toml().is_ok());
+        let named = |name: &str| ImportRequest { name: name.into(), ..request("width", 6.0) };
+        assert!(named("a <b>").geometry_toml().is_err_and(|e| e.to_string().contains("a <b>")));
+        assert!(named("").geometry_toml().is_ok());
     }
 }

@@ -89,6 +89,27 @@ fn what_is_open_names_its_flag_and_the_flag_settles_it() -> Tested {
 }
 
 #[test]
+fn a_specimen_is_written_with_a_name_that_it_can_have() -> Tested {
+    let folder = tempfile::tempdir()?;
+    let here = folder.path();
+    let sides = "[geometry]\nlength_mm = 8\nwidth_mm = 6\nthickness_mm = 1\n";
+    fs::write(here.join("g.toml"), sides)?;
+    fs::write(
+        here.join("a.csv"),
+        "Specimen: P7/23 <left>\nTime [s],Extension [mm],Load [N]\n0,0,0\n1,0.1,0.2\n2,0.2,0.4\n",
+    )?;
+    let (code, answer, stderr) = json(here, &["import", "a.csv", "--geometry", "g.toml"])?;
+    assert_eq!((code, &answer["specimen"]), (0, &"P7-23 -left-".into()), "{stderr}");
+    let (code, stderr) = message(here, &["check", "a/specimen.toml"])?;
+    assert_eq!(code, Some(0), "{stderr}");
+    fs::write(here.join("bad.toml"), format!("name = \"P7/23\"\n{sides}"))?;
+    let (code, stderr) = message(here, &["import", "a.csv", "--geometry", "bad.toml", "--out", "b"])?;
+    assert!(code == Some(2) && stderr.contains("bad.toml: error: `name` is \"P7/23\""), "{stderr}");
+    assert!(!here.join("b").exists());
+    Ok(())
+}
+
+#[test]
 fn other_commands_point_to_import() -> Tested {
     let folder = tempfile::tempdir()?;
     let here = folder.path();

@@ -10,6 +10,7 @@ mod run;
 mod scalar;
 mod section;
 mod specimen;
+pub use specimen::name_fault;
 mod tests;
 
 pub(crate) use effects::option_key;

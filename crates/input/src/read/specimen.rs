@@ -39,10 +39,9 @@ pub(crate) fn subsection_of<'a>(
     }
 }
 
-/// A name that can be a folder's or a file's, else an error.
-pub(crate) fn checked_name(section: &Section<'_>) -> Option<String> {
-    let name = section.text("name")?;
-    let bad = match name {
+/// Why a text cannot be the name of a specimen: it is that of files and folders too.
+pub fn name_fault(name: &str) -> Option<&'static str> {
+    match name {
         "" => Some("it is empty"),
         "." | ".." => Some("it stands for a folder"),
         n if n.trim() != n => Some("it begins or ends with a blank"),
@@ -52,8 +51,13 @@ pub(crate) fn checked_name(section: &Section<'_>) -> Option<String> {
         }
         n if visible(n) != n => Some("it has characters that cannot be seen"),
         _ => None,
-    };
-    if let Some(why) = bad {
+    }
+}
+
+/// A name that can be a folder's or a file's, else an error.
+pub(crate) fn checked_name(section: &Section<'_>) -> Option<String> {
+    let name = section.text("name")?;
+    if let Some(why) = name_fault(name) {
         let message =
             format!("`name` is \"{}\"; expected a name for files and folders, but {why}", short(name));
         let span = section.entry("name").map_or(section.span.clone(), |e| e.item.span());

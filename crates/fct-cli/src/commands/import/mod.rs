@@ -24,6 +24,15 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
         Some(file) => Geometry::read(file).map_err(failed)?,
         None => Geometry::default(),
     };
+    if let (Some(file), Some((name, why))) =
+        (&arguments.geometry, geometry.name.as_ref().and_then(|n| Some((n, input::name_fault(n)?))))
+    {
+        let name = input::visible(name);
+        return Err(Failure::usage(format!(
+            "{}: error: `name` is \"{name}\"; expected a name for files and folders, but {why}",
+            file.display()
+        )));
+    }
     let kinds = arguments.kinds().map_err(|e| Failure::usage(format!("fct import: {e}")))?;
     let (mut read, mut errors, mut answered) = (Vec::new(), Vec::new(), Vec::new());
     for file in &arguments.files {
@@ -37,7 +46,7 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     }
     let folder = session.common.out.clone().unwrap_or_else(|| default_folder(&arguments.files));
     let kinds_said = named(&mut read, &kinds);
-    let name = geometry.name.clone().unwrap_or_else(|| {
+    let name = geometry.name.as_deref().map(as_name).unwrap_or_else(|| {
         std::path::absolute(&folder)
             .ok()
             .and_then(|p| p.file_name().map(|n| n.to_string_lossy().into_owned()))
@@ -48,6 +57,14 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     plan.write(&answer)?;
     let text = tell::text(&folder, &geometry, &read, &plan, &kinds_said, &answered);
     Outcome::new(&answer, text)
+}
+
+/// A specimen's name as a header has it, made one that files and folders can have.
+fn as_name(said: &str) -> String {
+    let bad = |c: char| if c.is_control() || "/\\:*?\"<>|".contains(c) { '-' } else { c };
+    let name: String = said.chars().take(100).map(bad).collect();
+    let name = name.trim();
+    if input::name_fault(name).is_none() { name.to_owned() } else { "specimen".to_owned() }
 }
 
 /// One file; on a terminal what is open is asked until it is settled, one question at a time: an answer may settle
