@@ -101,9 +101,16 @@ audit:
     cargo tree --locked -p fct-cli -e normal --prefix none -f '{l}  {p}' | sort -u
     cargo tree --locked -p fct-cli -e normal --duplicates
 
-# The report in a real browser (Chromium): rungs clicked, points hovered, numbers checked.
+# The report and the workbench in a real browser (Chromium): rungs clicked, points hovered, numbers checked; files dropped,
+# effects added, errors falling. `FCT_SCREENSHOTS=DIR` keeps pictures.
 browser:
     cargo test -p fct-cli browser:: -- --ignored --nocapture
+
+# The README's picture of the workbench, and all others that the browser tests take, in target/pictures.
+workbench-picture:
+    mkdir -p target/pictures
+    FCT_SCREENSHOTS="$PWD/target/pictures" cargo test -p fct-cli workbench_browser:: -- --ignored
+    cp target/pictures/workbench.png docs/img/workbench.png
 
 # The pages that are made from the program: keys, JSON schema, catalogue of effects.
 book:

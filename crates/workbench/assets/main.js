@@ -59,14 +59,14 @@ function strength(name, word) {
   const values = all.map(p => p.value), unit = all[0].unit;
   const told = all.length > 1 ? `${show(Math.min(...values))} … ${show(Math.max(...values))} ${unit}` : `${show(values[0])} ${unit}`;
   const [low, high] = all.length > 1 ? [null, null] : all[0].interval_95;
-  return [el("dt", {}, word), el("dd", {}, told, low !== null && high !== null ? el("small", {}, ` 95 %: ${show(low)} … ${show(high)}`) : null)];
+  return el("div", {}, el("dt", {}, word), el("dd", {}, told, low !== null && high !== null ? el("small", {}, ` 95 %: ${show(low)} … ${show(high)}`) : null));
 }
 
 function lead() {
   const fit = now.steps[now.cursor]?.fit, found = now.diagnosis?.screen?.filter(r => r.significant).slice(0, 3).map(r => r.effect) ?? [];
   fill(byId("key"), strength("gc", "fracture energy Gc"), strength("sigma_c", "strength σc"),
-    fit ? [el("dt", {}, "rest"), el("dd", { id: "rest" }, `${percent(fit.share_of_peak)} of the peak`)] : null,
-    found.length ? [el("dt", {}, "called for"), el("dd", {}, found.join(", "))] : null);
+    fit ? el("div", {}, el("dt", {}, "misfit"), el("dd", { id: "rest" }, `${percent(fit.share_of_peak)} of the peak`)) : null,
+    found.length ? el("div", {}, el("dt", {}, "called for"), el("dd", {}, found.join(", "))) : null);
   const said = !now.specimen ? "Drop a record to begin. Nothing leaves this machine."
     : !fit ? "Fit the model, or move its parameters."
     : fit.explained ? "The model explains the records to their noise."

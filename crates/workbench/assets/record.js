@@ -115,7 +115,7 @@ const sides = [["length", "between the clamps, along the load"], ["width", "alon
 function geometry(state) {
   const known = state.specimen?.geometry ?? {}, header = state.import?.answer?.geometry ?? {};
   if (!state.import?.answer && !state.specimen) return null;
-  const editable = Boolean(state.import?.answer), drawing = svg("svg", { viewBox: "0 0 260 230", role: "img", class: "strip" });
+  const editable = Boolean(state.import?.answer), drawing = svg("svg", { viewBox: "0 0 260 244", role: "img", class: "strip" });
   const value = side => request.geometry[side] ?? known[side] ?? header[side] ?? "";
   const inputs = Object.fromEntries(sides.map(([side, about]) => [side, el("input", { id: `g-${side}`, type: "number", min: "0", step: "any",
     required: side !== "cut", value: String(value(side)), readOnly: !editable, title: about, oninput: () => sketch(drawing, read(inputs)) })]));
@@ -147,5 +147,5 @@ function sketch(drawing, g) {
     svg("rect", { x, y, width: w, height: h, class: "tissue" }), line(x, y + h / 2, x + w, y + h / 2, "path"), line(x, y + h / 2, x + cut, y + h / 2, "cut"),
     line(x + w + 14, y, x + w + 14, y + h, "size"), text(x + w + 20, y + h / 2 + 4, said("length"), "start"),
     line(x, y + h + 22, x + w, y + h + 22, "size"), text(x + w / 2, y + h + 38, `width ${said("width")}`),
-    text(x + w / 2, y + h / 2 - 7, `cut ${said("cut")}`), text(130, 226, `thickness ${said("thickness")}; load ↕ y, tear → x`));
+    text(x + w / 2, y + h / 2 - 7, `cut ${said("cut")}`), text(130, 238, `thickness ${said("thickness")}; load ↕ y, tear → x`));
 }

@@ -5,13 +5,14 @@ import * as curves from "./curves.js";
 const STEPS = 1000;
 let rows = [], ask = () => {};
 
-// The range of a slider: the bounds, or a factor of ten about the value where they are far apart.
+// The range of a slider: the bounds, or where they are far apart a factor of ten, or four times the value, about it.
 function range(p) {
   if (p.log) {
     const [low, high] = [Math.max(p.low, p.value / 10), Math.min(p.high, p.value * 10)];
     return high / low > 1.01 ? [low, high] : [p.low, p.high];
   }
-  return [p.low, p.high];
+  const wide = 3 * Math.max(Math.abs(p.value), 1e-12), [low, high] = [Math.max(p.low, p.value - wide), Math.min(p.high, p.value + wide)];
+  return high > low ? [low, high] : [p.low, p.high];
 }
 const toSlider = (r, x) => STEPS * (r.p.log ? Math.log(x / r.low) / Math.log(r.high / r.low) : (x - r.low) / (r.high - r.low));
 const fromSlider = (r, s) => r.p.log ? r.low * (r.high / r.low) ** (s / STEPS) : r.low + (r.high - r.low) * s / STEPS;

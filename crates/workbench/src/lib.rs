@@ -94,3 +94,8 @@ pub trait Commands: Send + Sync {
     /// it then has, as it does after Ctrl-C. Never panics.
     fn run(&self, arguments: &[String], cancelled: &Arc<AtomicBool>, listener: &Arc<dyn Listener>) -> Told;
 }
+
+/// The example of the README is compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -118,7 +118,12 @@ fn run(b: &mut Builder) {
             Fallback::Number(1e-6),
             "stop when the objective changes by less, relative",
         )
-        .key("max_iterations", integer(1, 100_000), Fallback::Integer(30), "most iterations")
+        .key(
+            "max_iterations",
+            integer(0, 100_000),
+            Fallback::Integer(30),
+            "most iterations; 0: no search, the model at its start values with its derivatives",
+        )
         .key(
             "multi_start",
             integer(0, 10_000),
