@@ -121,9 +121,15 @@ semver revision="HEAD~1":
 hostile:
     FCT_HOSTILE=all cargo test -p fct-cli -- hostile:: command_lines:: --nocapture
     FCT_ALL=1 cargo test -p workspace-tests every_number:: -- --nocapture
-# The power that `fct design` promises against noisy repeats, effect by effect; and long records with jitter (minutes each).
-design-power:
-    cargo test -p analysis --lib repeats -- --ignored --nocapture
 
+# What `fct check` promises of the practice records beside this repository, beside what `discover` found (docs/reliability.md).
+doctor-practice:
+    cargo run --release -p workspace-tests --example doctor_practice -- ../shared/practice
+
+# The power and the standard errors that `fct design` promises, against noisy repeats (docs/reliability.md). Seven minutes; `FCT_REPEATS=300` for more draws.
+design-power:
+    cargo test --workspace --lib design::repeats:: -- --ignored --nocapture --test-threads 1
+
+# Records of 20,000 and 200,000 rows with jitter against 400 clean ones: times and values.
 long-records:
-    cargo test -p analysis sampling:: -- --ignored --nocapture
+    cargo test --workspace --test all sampling:: -- --ignored --nocapture

@@ -53,8 +53,17 @@ fn main() {
                         p.cpu_seconds.unwrap_or_default()
                     );
                 }
-                match analysis::probable(&l) {
-                    Ok(p) => println!("   {}", p.sentence()),
+                match l.probable() {
+                    Ok(p) => {
+                        println!("   {}", p.sentence());
+                        println!("   {:?} not fitted {:.3}", p.left.explained_to, p.posterior.not_fitted);
+                        for s in p.posterior.sets.iter().take(6) {
+                            println!(
+                                "      {:.3} {:.3} {:?}",
+                                s.probability, s.with_something_else, s.effects
+                            );
+                        }
+                    }
                     Err(e) => println!("   no probabilities: {e}"),
                 }
                 let tried = d.tried.iter().filter(|r| !d.ladder.contains(r));

@@ -21,6 +21,7 @@ mod reach;
 mod simulate;
 mod start;
 mod strip;
+mod weigh;
 
 pub use answer::{DiscoverAnswer, LadderRow, ScreenRow, diagnose, discover};
 pub use columns::{Base, Screened, scales};
@@ -30,7 +31,9 @@ pub use compare::{
 pub use condense::condensed;
 pub use cost::{Meter, Metered, Phase, PhaseCost, Watch, Within};
 pub use data::{Measured, RecordError, Slot};
-pub use design::{Confirmed, DesignAnswer, DesignRequest, Foresight, Known, RatedProtocol, Variant, design};
+pub use design::{
+    Asked, Confirmed, DesignAnswer, DesignRequest, Foresight, Known, RatedProtocol, Variant, design,
+};
 pub use doctor::{Advice, Doctor, RecordFindings, doctor};
 pub use held_out::HeldOut;
 pub use identify::{
@@ -40,7 +43,7 @@ pub use journal::{Journal, NoJournal};
 pub use ladder::{FeLadder, Fitted, How, NextTest, Tried};
 pub use needs::{Need, needs};
 pub use parsimony::{OneStrength, one_strength};
-pub use probable::{Probable, Weighed, probable};
+pub use probable::{Brief, Left, PosteriorAnswer, Probable};
 pub use problem::{Cancelled, FeProblem};
 pub use simulate::{SimulateControl, Simulated, SimulatedTest, replay, simulate};
 pub use start::start_at;

@@ -1,208 +1,161 @@
-//! How probable is each set of effects that was fitted, and how much is left: the rungs of a search put to `evidence`.
+//! How probable is each set of effects, and how much is left: the rungs of a search put to `evidence`, and sets that were not
+//! fitted by the columns of the screens.
 
-use crate::columns::scales;
-use crate::data::Measured;
 use crate::ladder::{FeLadder, Fitted};
-use evidence::{
-    Belief, Evidence, EvidenceError, ExplainedTo, Judged, Kernel, Linear, Place, Posterior, Record, Remains,
-    RestPrior, SetPrior,
-};
-use inverse::Free;
-use model::{Catalogue, Scales, Screening, Sided};
-use params::ParamSpec;
+use crate::weigh::{AtFit, Beliefs, Scale};
+use diagnose::Candidate;
+use evidence::{EvidenceError, ExplainedTo, Judged, Posterior, Remains, SetProbability};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
-/// Largest share of the peak that a complete model leaves in practice.
-const PRACTICE: f64 = 0.02;
+/// Sets that are listed hold at least this share of the posterior.
+const LISTED: f64 = 1e-3;
 
-/// Spread of a shape's belief in its natural coordinate: a factor of 4.5 either way in a logarithm.
-const SHAPE_SPREAD: f64 = 1.5;
+/// Probabilities under other scales of what is believed.
+pub use evidence::Brief;
 
-/// What the fitted rungs say together.
+/// Posterior probabilities as an answer has them. `nothing`, `something_else` and the probabilities of all other sets sum to 1.
 #[derive(Clone, Debug, Serialize)]
-pub struct Probable {
-    /// Probabilities of the sets that were fitted, of their effects, of nothing, and of something else.
-    pub posterior: Posterior,
-    /// What the leading set leaves unexplained.
-    pub rest: Remains,
-    /// To what the record is explained by it.
-    pub explained_to: ExplainedTo,
-    /// For each set: ln Z, how far its mode is from its fit, and sizes of the rest that were looked at.
-    pub models: Vec<Weighed>,
+pub struct PosteriorAnswer {
+    /// Sets that hold at least a thousandth, most probable first; the empty one is "nothing".
+    pub sets: Vec<SetProbability>,
+    /// Probability that each effect acts, alone or not.
+    pub effects: BTreeMap<String, f64>,
+    /// That nothing is missing.
+    pub nothing: f64,
+    /// That something is missing that the catalogue does not hold.
+    pub something_else: f64,
+    /// The same with the scales of amplitudes and of the rest doubled and halved.
+    pub sensitivity: BTreeMap<&'static str, Brief>,
+    /// Share of the sets that were not fitted but judged by their derivatives at smaller models.
+    pub not_fitted: f64,
 }
 
-/// One rung's evidence.
+/// What is left, and to what the records are explained.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Left {
+    /// The rest of the leading model, share of the peak force.
+    pub rest: Remains,
+    /// To what the records are explained by it.
+    pub explained_to: ExplainedTo,
+}
+
+/// What all models say together.
 #[derive(Clone, Debug, Serialize)]
-pub struct Weighed {
-    /// Effects.
-    pub effects: Vec<String>,
-    /// ln Z with a complete model's rest.
-    pub ln_z: f64,
-    /// ln Z with a cause outside the catalogue.
-    pub ln_z_else: f64,
-    /// Standard deviations from the fit to the mode; above 1 the linearisation at the fit is void.
-    pub moved: f64,
+pub struct Probable {
+    /// Probabilities.
+    pub posterior: PosteriorAnswer,
+    /// What the leading model leaves.
+    #[serde(flatten)]
+    pub left: Left,
+}
+
+impl From<Posterior> for PosteriorAnswer {
+    fn from(p: Posterior) -> Self {
+        let mut sets = p.sets;
+        sets.retain(|s| s.effects.is_empty() || s.probability + s.with_something_else >= LISTED);
+        Self {
+            sets,
+            effects: p.effects,
+            nothing: p.nothing,
+            something_else: p.something_else,
+            sensitivity: p.sensitivity,
+            not_fitted: p.unfitted,
+        }
+    }
 }
 
 impl Probable {
     /// The leading answers and what is left, as one line.
     pub fn sentence(&self) -> String {
-        let percent = |p: f64| format!("{:.0} %", 100.0 * p);
-        let mut effects: Vec<(&String, &f64)> = self.posterior.effects.iter().collect();
+        let percent = |p: f64| {
+            if p > 0.0 && p < 0.005 { "< 1 %".to_owned() } else { format!("{:.0} %", 100.0 * p) }
+        };
+        let mut effects: Vec<(&String, &f64)> =
+            self.posterior.effects.iter().filter(|e| *e.1 >= 0.01).collect();
         effects.sort_by(|a, b| b.1.total_cmp(a.1).then(a.0.cmp(b.0)));
         let mut parts: Vec<String> =
             effects.iter().take(3).map(|(name, p)| format!("{name} {}", percent(**p))).collect();
         parts.push(format!("nothing {}", percent(self.posterior.nothing)));
         parts.push(format!("something else {}", percent(self.posterior.something_else)));
+        format!("Probabilities: {}. {}", parts.join(", "), self.left.sentence())
+    }
+}
+
+impl Left {
+    /// What is left, as one sentence.
+    pub fn sentence(&self) -> String {
         let share = &self.rest.all;
         let [low, high] = share.interval_95.map(|x| 100.0 * x);
+        let most = self.rest.tests.iter().max_by(|a, b| a.1.share_of_peak.total_cmp(&b.1.share_of_peak));
+        let place = match most {
+            Some((test, s)) if self.rest.tests.len() > 1 && s.share_of_peak > 0.0 => {
+                format!(", most of it in {test}")
+            }
+            _ => String::new(),
+        };
         format!(
-            "Of what was fitted: {}; what is left: {:.1} % of the peak ({low:.1} to {high:.1}).",
-            parts.join(", "),
+            "What the model leaves beyond noise: {:.1} % of the peak force ({low:.1} to {high:.1}){place}.",
             100.0 * share.share_of_peak
         )
     }
 }
 
-/// Where each block stands on the path of its test.
-fn places(measured: &Measured, f: &Fitted) -> Vec<Place> {
-    let one = |(slot, block): (&crate::data::Slot, &inverse::Block)| {
-        let test = &f.model.tests[slot.test].test;
-        let s = test.record.as_ref().map_or(Vec::new(), |r| evidence::path(&r.time, &r.displacement));
-        let peak = block.measured.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-        Place {
-            test: test.name.clone(),
-            s: slot.rows.iter().filter_map(|&r| s.get(r).copied()).collect(),
-            peak,
-        }
-    };
-    measured.slots.iter().zip(&measured.data.blocks).map(one).collect()
-}
-
-/// The effect and parameter of a path `effects.NAME.PARAMETER`.
-fn of_effect(path: &str) -> Option<(&str, &str)> {
-    path.strip_prefix("effects.")?.split_once('.')
-}
-
-/// Belief of an amplitude: normal around neutral, half-normal where it has a sign, as wide as what a lab would call
-/// ordinary.
-fn amplitude(free: &Free, spec: &ParamSpec, at: usize, card: &model::Card, start: &[f64]) -> Option<Belief> {
-    let neutral = spec.neutral?;
-    let ordinary = start.get(at).map_or(0.0, |s| (s - neutral).abs());
-    let ordinary = if ordinary > 0.0 { ordinary } else { (spec.start - neutral).abs().max(1e-12) };
-    let sd = ordinary / free.transform.slope(neutral).abs().max(1e-300);
-    let (lower, upper) = free.bounds_z();
-    let z = free.transform.forward(neutral);
-    let (Screening::Score(side) | Screening::Refit(side)) = card.screening;
-    let whole = match side {
-        Sided::Positive => Belief::above(z, sd).within(z, upper),
-        Sided::Both => Belief::normal(z, sd).within(lower, upper),
-    };
-    (whole.lower < whole.upper).then_some(whole)
-}
-
-fn belief(free: &Free, f: &Fitted, catalogue: &Catalogue, scales: &Scales) -> (Belief, bool) {
-    let (lower, upper) = free.bounds_z();
-    let wide = |mean: f64, sd: f64| (Belief::normal(mean, sd).within(lower, upper), false);
-    if let Some((name, parameter)) = of_effect(&free.path)
-        && let Some(effect) = catalogue.get(name)
-        && let Some(config) = f.model.case.effects.iter().find(|c| c.name == name)
-        && let Some(at) = config.specs.iter().position(|s| s.name == parameter)
-    {
-        let start = if config.options.is_empty() { effect.start(scales) } else { Vec::new() };
-        let spec = &config.specs[at];
-        if let Some(b) = amplitude(free, spec, at, effect.card(), &start) {
-            return (b, true);
-        }
-        let typical = start.get(at).copied().unwrap_or(spec.start).clamp(spec.lower, spec.upper);
-        return wide(free.forward(typical), SHAPE_SPREAD * free.natural_scale(typical));
-    }
-    match free.prior {
-        Some(p) => wide(p.mean, p.sd),
-        // Nothing is believed: the same for all sets.
-        None => wide(free.forward(free.start), 3.0 * free.natural_scale(free.start)),
-    }
-}
-
-/// The fitted rungs weighed against each other, on the points that all of them predict smoothly.
+/// The models of a search weighed against each other, on the points that all of them predict smoothly.
 ///
 /// # Errors
 /// [`EvidenceError`] when a number cannot be used or nothing was fitted.
-pub fn probable(ladder: &FeLadder) -> Result<Probable, EvidenceError> {
-    let base = ladder.rungs.values().next().ok_or(EvidenceError::Empty)?;
+pub(crate) fn probable(ladder: &FeLadder) -> Result<Probable, EvidenceError> {
+    let base = ladder.rungs.get(&Vec::new()).ok_or(EvidenceError::Empty)?;
+    let beliefs = Beliefs::of(&ladder.case().diagnose, ladder.catalogue());
     let measured = ladder.measured.as_estimated(&base.model).unwrap_or_else(|_| ladder.measured.clone());
-    let mut keep = vec![true; measured.data.points()];
-    for f in ladder.rungs.values() {
-        let valid = f.fit.prediction.valid.iter().flatten();
-        keep.iter_mut().zip(valid).for_each(|(k, v)| *k &= v);
-    }
-    let rest = RestPrior::default();
-    let catalogue = ladder.catalogue();
-    let prior = SetPrior::of_catalogue(catalogue.iter().filter(|e| !e.card().negative_control).count());
-    let record = Record::new(&measured.data, &places(&measured, base), Some(&keep), rest.smooth)?;
-    let y = measured.data.measured();
-    let weigh = |(effects, f): (&Vec<String>, &Fitted)| {
-        let sizes = scales(&f.model, &f.theta);
-        let beliefs: Vec<_> = f.frees.iter().map(|x| belief(x, f, catalogue, &sizes)).collect();
-        let linear = Linear::at_fit(&y, &f.frees, &f.fit.theta, &f.fit.prediction, &beliefs)?;
-        let evidence = Evidence::of(&record, &linear, &rest, Kernel::Plain)?;
-        let judged = Judged::new(effects, &evidence, &rest, 1.0, &prior);
-        Ok((linear, evidence, judged))
-    };
-    let all: Vec<(&Vec<String>, &Fitted)> = ladder.rungs.iter().collect();
-    let weighed: Vec<_> = all.par_iter().map(|r| weigh(*r)).collect::<Result<_, EvidenceError>>()?;
-    let models: Vec<Judged> = weighed.iter().map(|w| w.2.clone()).collect();
-    let posterior = Posterior::of(&models, &prior);
-    let leads =
-        |w: &&(Linear, Evidence, Judged)| posterior.leader().is_some_and(|l| l.effects == w.2.effects);
-    let (linear, evidence, _) = weighed.iter().find(leads).ok_or(EvidenceError::Empty)?;
-    let left = evidence::remains(&record, linear, evidence, &rest, prior.beyond);
-    let rows = weighed.iter().map(|(_, e, j)| Weighed {
-        effects: j.effects.clone(),
-        ln_z: e.ln_z,
-        ln_z_else: e.ln_z_else,
-        moved: e.moved,
+    let scale = Scale::new(&measured, ladder.rungs.values().map(AtFit::from), ladder.catalogue(), &beliefs)?;
+    let rungs: Vec<(&Vec<String>, AtFit)> = ladder.rungs.iter().map(|(k, f)| (k, f.into())).collect();
+    let weighed = scale.weigh(&rungs)?;
+    let mut models: Vec<Judged> = weighed.iter().map(|w| w.judged.clone()).collect();
+    models.extend(beside(ladder, &scale, &weighed)?);
+    let posterior = Posterior::of(&models, &beliefs.sets);
+    // What is left is said of a model that was fitted.
+    let fitted = posterior.sets.iter().find_map(|s| {
+        weighed.iter().find(|w| w.judged.effects == s.effects).and_then(|w| Some((w, w.evidence.as_ref()?)))
     });
-    Ok(Probable { explained_to: left.explained_to(PRACTICE), models: rows.collect(), rest: left, posterior })
+    let (leader, evidence) = fitted.ok_or(EvidenceError::Empty)?;
+    let rest = evidence::remains(&scale.record, &leader.linear, evidence, &beliefs.rest, beliefs.sets.beyond);
+    let left = Left { explained_to: rest.explained_to(beliefs.practice), rest };
+    Ok(Probable { posterior: posterior.into(), left })
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A case's sizes, as the effects' own tests have them.
-    const SIZES: Scales = Scales {
-        peak_force: 0.9,
-        uniaxial_peak: 0.11,
-        displacement: 4.6,
-        uniaxial_displacement: 1.1,
-        duration: 300.0,
-        sampling: 0.5,
-        energy: 2e-2,
-        delta_c: 0.5,
-        sigma_c: 0.2,
-        opening_rate: 0.02,
-        fibre_strain: 0.25,
-    };
-
-    /// Every effect has an amplitude whose belief stands at neutral, reaches what a lab would call ordinary, and goes to its
-    /// admissible side alone.
-    #[test]
-    fn amplitudes_are_believed_around_neutral() {
-        for effect in effects::catalogue().iter() {
-            let (card, start) = (effect.card(), effect.start(&SIZES));
-            let specs = effect.parameters(&model::Options::new());
-            let (spec, bounds) = (&specs[0], (specs[0].lower, specs[0].upper));
-            let free = Free::new(spec.name.clone(), bounds, spec.transform, spec.start);
-            let b =
-                amplitude(&free, spec, 0, card, &start).unwrap_or_else(|| panic!("{}: no belief", card.name));
-            let neutral = spec.neutral.expect("an amplitude");
-            assert!((free.backward(b.mean) - neutral).abs() < 1e-9, "{}", card.name);
-            let reach = (free.forward(start[0]) - b.mean).abs() / b.sd;
-            assert!((0.5..2.0).contains(&reach), "{}: {reach}", card.name);
-            let (Screening::Score(side) | Screening::Refit(side)) = card.screening;
-            assert_eq!(b.lower >= b.mean, side == Sided::Positive, "{}", card.name);
+/// Sets beside the fitted ones, by the columns of every screen: the most that any screen makes of each.
+fn beside(
+    ladder: &FeLadder,
+    scale: &Scale,
+    weighed: &[crate::weigh::Weighed],
+) -> Result<Vec<Judged>, EvidenceError> {
+    let mut asked: Vec<(Vec<String>, usize, &Fitted, &Candidate)> = Vec::new();
+    for (key, candidates) in &ladder.screened {
+        let (Some(f), Some(at)) =
+            (ladder.rungs.get(key), weighed.iter().position(|w| &w.judged.effects == key))
+        else {
+            continue;
+        };
+        for candidate in candidates {
+            let larger = FeLadder::key(&[key.as_slice(), std::slice::from_ref(&candidate.effect)].concat());
+            if !ladder.rungs.contains_key(&larger) && diagnose::Ladder::compatible(ladder, &larger) {
+                asked.push((larger, at, f, candidate));
+            }
         }
     }
+    let one = |(larger, at, f, candidate): &(Vec<String>, usize, &Fitted, &Candidate)| {
+        let gain = scale.gain(&weighed[*at].linear, AtFit::from(*f), candidate)?;
+        Ok(gain.map(|g| weighed[*at].judged.extended(larger, g)))
+    };
+    let judged: Vec<Option<Judged>> = asked.par_iter().map(one).collect::<Result<_, EvidenceError>>()?;
+    let mut best: BTreeMap<Vec<String>, Judged> = BTreeMap::new();
+    for j in judged.into_iter().flatten() {
+        if best.get(&j.effects).is_none_or(|b| b.ln_z() < j.ln_z()) {
+            best.insert(j.effects.clone(), j);
+        }
+    }
+    Ok(best.into_values().collect())
 }

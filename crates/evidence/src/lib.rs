@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod bic;
+mod columns;
 mod decide;
 mod frontier;
 mod integral;

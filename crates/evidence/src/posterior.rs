@@ -82,6 +82,21 @@ impl Judged {
         Self { effects: effects.to_vec(), ln_form: 0.0, fitted: true, values: [[ln_z, ln_z_else]; 5] }
     }
 
+    /// Another set that was fitted: this one's evidence and what it has more.
+    pub fn with_effects(&self, effects: &[String], more: f64) -> Self {
+        Self { fitted: true, ..self.extended(effects, more) }
+    }
+
+    /// A larger set that was not fitted: this one's evidence and what it gains.
+    pub fn extended(&self, effects: &[String], gain: f64) -> Self {
+        Self { effects: effects.to_vec(), ..self.clone() }.predicted(gain)
+    }
+
+    /// ln Z with a complete model's rest.
+    pub const fn ln_z(&self) -> f64 {
+        self.values[0][0]
+    }
+
     /// The same, not fitted, with a correction of ln Z (shapes averaged over their beliefs).
     pub fn predicted(mut self, correction: f64) -> Self {
         self.fitted = false;

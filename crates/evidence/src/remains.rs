@@ -7,11 +7,11 @@ use crate::record::Record;
 use crate::rest::RestPrior;
 use inverse::Random;
 use nalgebra::DVector;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// A share of the peak with its interval.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Share {
     /// Median of the root mean square of the rest, share of the peak.
     pub share_of_peak: f64,
@@ -20,7 +20,7 @@ pub struct Share {
 }
 
 /// What a model leaves unexplained beyond noise.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Remains {
     /// Over all tests.
     #[serde(flatten)]
@@ -30,13 +30,16 @@ pub struct Remains {
     /// Posterior probability that nothing at all is left.
     #[serde(skip)]
     pub none: f64,
+    /// The same before the records are looked at.
+    #[serde(skip)]
+    pub none_before: f64,
 }
 
 /// What a record is explained to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ExplainedTo {
-    /// Noise (and the mesh) explain what is left.
+    /// Noise (and the mesh) explain what is left: the records speak rather for nothing beyond them than against it.
     Noise,
     /// The rest is no larger than a complete model of such a test leaves in practice.
     Practice,
@@ -47,7 +50,7 @@ pub enum ExplainedTo {
 impl Remains {
     /// `practice`: the largest share of the peak that a complete model leaves (`[diagnose] practice`, 0.02).
     pub fn explained_to(&self, practice: f64) -> ExplainedTo {
-        if self.none >= 0.5 {
+        if self.none >= self.none_before {
             ExplainedTo::Noise
         } else if self.all.share_of_peak <= practice {
             ExplainedTo::Practice
@@ -94,7 +97,8 @@ pub fn remains(
         all.push(f64::sqrt(sum / f64::max(count, 1.0)));
     }
     let tests = names.iter().zip(each).map(|(n, s)| ((*n).to_owned(), share(s))).collect();
-    Remains { all: share(all), tests, none }
+    let none_before = rest.zero * rest.zero * (1.0 - beyond);
+    Remains { all: share(all), tests, none, none_before }
 }
 
 /// Sum of squares of the rest in each block.

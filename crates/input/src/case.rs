@@ -1,7 +1,8 @@
 //! What was tested and measured, resolved: defaults applied, units converted to mm, s, N, MPa, rad.
 
 use crate::config::{
-    BulkConfig, EffectConfig, IdentifyConfig, InterfaceConfig, MeshConfig, OutputConfig, SolverConfig,
+    BulkConfig, DiagnoseConfig, EffectConfig, IdentifyConfig, InterfaceConfig, MeshConfig, OutputConfig,
+    SolverConfig,
 };
 use crate::diagnostics::Diagnostic;
 use crate::inputs::InputFile;
@@ -36,6 +37,8 @@ pub struct Case {
     pub effects: Vec<EffectConfig>,
     /// `[identify]`
     pub identify: IdentifyConfig,
+    /// `[diagnose]`
+    pub diagnose: DiagnoseConfig,
     /// `[solver]`
     pub solver: SolverConfig,
     /// `[output]`

@@ -47,8 +47,8 @@ mod write;
 
 pub use case::{Averaged, Averages, Case, Ends, Geometry, Grips, Leg, Location, Record, Test, TestKind};
 pub use config::{
-    BulkConfig, Control, EffectConfig, Figure, IdentifyConfig, Integration, InterfaceConfig, MeshConfig,
-    Mode, OptionValue, OutputConfig, Prior, PriorsConfig, Profile, SolverConfig, Symmetry, Value,
+    BulkConfig, Control, DiagnoseConfig, EffectConfig, Figure, IdentifyConfig, Integration, InterfaceConfig,
+    MeshConfig, Mode, OptionValue, OutputConfig, Prior, PriorsConfig, Profile, SolverConfig, Symmetry, Value,
 };
 pub use diagnostics::{Diagnostic, Diagnostics, Excerpt, Severity};
 pub use inputs::{InputFile, sha256};

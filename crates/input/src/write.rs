@@ -2,8 +2,8 @@
 
 use crate::case::{Case, Ends, Geometry, Grips, Leg, Record, Test, absolute};
 use crate::config::{
-    BulkConfig, Control, EffectConfig, Figure, IdentifyConfig, Integration, InterfaceConfig, MeshConfig,
-    Mode, OptionValue, OutputConfig, Profile, SolverConfig, Symmetry, Value,
+    BulkConfig, Control, DiagnoseConfig, EffectConfig, Figure, IdentifyConfig, Integration, InterfaceConfig,
+    MeshConfig, Mode, OptionValue, OutputConfig, Profile, SolverConfig, Symmetry, Value,
 };
 use crate::units::{spell, spell_reciprocal};
 use params::{ParamSpec, Quantity};
@@ -42,6 +42,7 @@ pub fn resolved_toml_with(case: &Case, path: impl Fn(&Record) -> PathBuf) -> Str
         effect(&mut w, e);
     }
     identify(&mut w, &case.identify);
+    diagnose(&mut w, &case.diagnose);
     solver(&mut w, &case.solver);
     output(&mut w, &case.output);
     w.out
@@ -272,6 +273,9 @@ fn identify(w: &mut Writer, i: &IdentifyConfig) {
         Some(on) if i.priors.given.is_empty() => w.line("priors", &on.to_string()),
         None => {
             let _ = writeln!(w.out, "# priors: off to identify, on to diagnose");
+            if !i.priors.given.is_empty() {
+                w.header("[identify.prior]");
+            }
         }
         Some(on) => {
             w.header("[identify.priors]");
@@ -284,6 +288,12 @@ fn identify(w: &mut Writer, i: &IdentifyConfig) {
         let sd = float(prior.relative_sd);
         w.line(&format!("{section}.{key}"), &format!("{{ mean = {}, relative_sd = {sd} }}", float(mean[0])));
     }
+}
+
+fn diagnose(w: &mut Writer, d: &DiagnoseConfig) {
+    w.header("[diagnose]");
+    w.number("rest", Quantity::Dimensionless, d.rest);
+    w.number("practice", Quantity::Dimensionless, d.practice);
 }
 
 fn solver(w: &mut Writer, s: &SolverConfig) {

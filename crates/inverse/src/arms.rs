@@ -91,8 +91,8 @@ impl Uncertainty {
                 .map(|(lean, sd)| lean * (sd / here - 1.0))
                 .sum();
             let longer = (0.25 * tilt).clamp(-LONGEST, LONGEST);
-            self.estimates[k].interval_95 =
-                self.estimate(k, [1.0 + (-longer).max(0.0), 1.0 + longer.max(0.0)]).interval_95;
+            let interval = self.estimate(k, [1.0 + (-longer).max(0.0), 1.0 + longer.max(0.0)]).interval_95;
+            (self.estimates[k].interval_95, self.estimates[k].interval_95_if_right) = (interval, interval);
         }
         self
     }

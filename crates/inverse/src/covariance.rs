@@ -40,6 +40,9 @@ pub struct Estimate {
     pub std_error: Option<f64>,
     /// 95 % interval, within the bounds.
     pub interval_95: [f64; 2],
+    /// The same if the model were right: noise and the model's numerical error alone. Equal to `interval_95` unless that
+    /// allows for more ([`Uncertainty::allowing_for`]).
+    pub interval_95_if_right: [f64; 2],
     /// Whether the value stands at a bound. Its interval is one-sided then.
     pub at_bound: bool,
     /// Whether the data fix it, by the rule of [`Identifiability`].
@@ -174,11 +177,13 @@ impl Uncertainty {
         let z = f.forward(value);
         let learned = f.prior.is_none_or(|p| sd_z <= self.rule.prior_shrink * p.sd);
         let std_error = f.transform.slope(value).abs() * sd_z;
+        let interval_95 = [f.backward(z - below * sd_z), f.backward(z + above * sd_z)];
         Estimate {
             path: f.path.clone(),
             value,
             std_error: (scaled_sd < 1e3).then_some(std_error),
-            interval_95: [f.backward(z - below * sd_z), f.backward(z + above * sd_z)],
+            interval_95,
+            interval_95_if_right: interval_95,
             at_bound: false,
             identifiable: scaled_sd <= self.rule.max_sd && learned,
             scaled_sd,
@@ -215,6 +220,7 @@ impl Uncertainty {
             value,
             std_error: (scaled_sd < 1e3).then_some(sd),
             interval_95,
+            interval_95_if_right: interval_95,
             at_bound: true,
             identifiable: scaled_sd <= self.rule.max_sd,
             scaled_sd,

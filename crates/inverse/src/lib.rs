@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod allowing;
 mod arms;
 mod bend;
 mod covariance;

@@ -3,13 +3,14 @@
 //! Everything is linear in the effect and in the base parameters, as the screen itself is; the power it promises is that
 //! of the screen's test at its own threshold, with the noise of the records.
 
+use super::guess::{guessed, with_strength};
 use crate::columns::Base;
 use crate::data::Measured;
 use crate::identify::{AnalysisError, coarser, frees};
 use crate::problem::Cancelled;
 use diagnose::power::{noncentrality, power};
 use diagnose::{Candidate, Foreseen, Policy, foresee};
-use input::{Case, TestKind};
+use input::Case;
 use inverse::{Free, Noise, Prediction, Whitened};
 use model::{Catalogue, Discretisation, Model, RunOptions};
 use nalgebra::{DMatrix, DVector};
@@ -50,6 +51,7 @@ pub struct Foresight {
 }
 
 /// A linearised model on records.
+#[derive(Clone)]
 pub(super) struct Linear {
     pub prediction: Prediction,
     pub candidates: Vec<Candidate>,
@@ -170,6 +172,27 @@ impl Linear {
         Whitened::new(&data, &self.frees, &self.theta, &self.prediction, Noise::Record)
     }
 
+    /// Parameters that stand at a bound.
+    pub fn at_bound(&self) -> Vec<bool> {
+        self.frees.iter().zip(&self.theta).map(|(f, t)| f.at_bound(*t)).collect()
+    }
+
+    /// The same model with another record.
+    #[cfg(test)]
+    pub fn with_record(&self, record: &DVector<f64>) -> Self {
+        let mut out = self.clone();
+        measure(&mut out.measured, record);
+        out
+    }
+
+    /// What the screen says of the record.
+    #[cfg(test)]
+    pub fn screened(&self) -> Result<diagnose::Screen, AnalysisError> {
+        let points = self.measured.data.points();
+        diagnose::screen(&self.misfit(), &self.at_bound(), &self.candidates, points, &Policy::default())
+            .map_err(|e| AnalysisError::Case(e.to_string()))
+    }
+
     pub fn foresight(
         &self,
         catalogue: &Catalogue,
@@ -226,6 +249,13 @@ impl Linear {
     }
 }
 
+/// Puts a record in the place of what was measured.
+pub(super) fn measure(measured: &mut Measured, record: &DVector<f64>) {
+    for block in &mut measured.data.blocks {
+        block.measured = record.rows(block.range.start, block.range.len()).iter().copied().collect();
+    }
+}
+
 /// χ² that a rival's column and the base leave of a truth.
 fn lambda(base: &DMatrix<f64>, rival: &DVector<f64>, truth: &DVector<f64>) -> f64 {
     let mut new = base.clone().insert_column(base.ncols(), 0.0);
@@ -264,57 +294,4 @@ pub(crate) fn foresight_of_records(
         }
     }
     Err(last.unwrap_or(AnalysisError::Case("no record".into())))
-}
-
-/// θ with the strengths of the tear path multiplied.
-pub(super) fn with_strength(model: &Model, theta: &[f64], share: f64) -> Vec<f64> {
-    let mut theta = theta.to_vec();
-    for (p, v) in model.parameters.iter().zip(&mut theta) {
-        if p.free && p.path.ends_with("].sigma_c") {
-            *v = (share * *v).clamp(p.spec.lower, p.spec.upper);
-        }
-    }
-    theta
-}
-
-/// The case with what its records suggest of the tissue and the tear as start values, where the file gives none.
-pub(super) fn with_guess(case: &Case, catalogue: &Catalogue) -> Result<Case, AnalysisError> {
-    let mut out = case.clone();
-    if case.tests.iter().any(|t| t.record.is_some()) {
-        let (model, _) = model_of(case, catalogue)?;
-        let theta = guessed(&model);
-        out.interface.areas = model.areas();
-        let values = model.free().into_iter().map(|i| (model.parameters[i].path.as_str(), theta[i]));
-        crate::start::start_at(&mut out, values);
-    }
-    Ok(out)
-}
-
-/// The file's values; where it gives none, a tissue that explains the intact strip roughly and a tear of the order of the
-/// record's work and peak.
-fn guessed(model: &Model) -> Vec<f64> {
-    let case = &model.case;
-    let mut theta = model.theta();
-    let set = |theta: &mut Vec<f64>, path: &str, value: f64| {
-        if let Some(i) = model.find(path).filter(|&i| model.parameters[i].free) {
-            let spec = &model.parameters[i].spec;
-            theta[i] = value.clamp(spec.lower, spec.upper);
-        }
-    };
-    let given = |i: usize| case.bulk.value(&model.parameters[i].spec.name).value.is_some();
-    if let Some(offered) = model.starts().filter(|s| !given(s.size)) {
-        let list = frees(model, &theta, &model.free());
-        if let Some(tissue) = crate::strip::tissues(model, case, &list, &theta).into_iter().next() {
-            offered.axes.iter().for_each(|&(i, _)| set(&mut theta, &model.parameters[i].path, tissue[i]));
-        }
-    }
-    let torn = case.tests.iter().any(|t| t.kind == TestKind::Tearing && t.record.is_some());
-    if torn && case.interface.gc_of(0).value.is_none() {
-        let (gc, sigma_c) = crate::start::from_record(case);
-        for area in 1..=model.areas() {
-            set(&mut theta, &format!("interface.area[{area}].gc"), gc);
-            set(&mut theta, &format!("interface.area[{area}].sigma_c"), sigma_c);
-        }
-    }
-    theta
 }

@@ -5,7 +5,7 @@
 //! imitate along their way, shapes in a maximum and the shared false-discovery rate are then what they are. A search
 //! over the size finds where given powers stand.
 
-use super::engine::{Linear, SHORT, linear, model_of, options};
+use super::engine::{Linear, SHORT, linear, measure, model_of, options};
 use super::table::Table;
 use crate::columns::{case_with, config_of, transfer};
 use crate::identify::AnalysisError;
@@ -23,15 +23,15 @@ use std::sync::Arc;
 /// Records that are drawn for a chance.
 const DRAWS: usize = 1000;
 /// Sizes that are tried, the plausible one among them.
-const TRIALS: usize = 8;
+const TRIALS: usize = 14;
 /// Standard deviations, by the linear look, of an effect that is worth asking about.
 const FAINT: f64 = 1.0;
 /// Powers whose sizes are looked for.
 pub(super) const POWERS: [f64; 3] = [0.5, 0.8, 0.9];
-/// Between two tried sizes whose powers are closer than this (normal quantiles), a power lies on a straight line.
-const CLOSE: f64 = 1.0;
-/// A tried size whose power is as near as that to one that is looked for has it: about what the draws tell.
-const HIT: f64 = 0.1;
+/// A power that differs by less (in normal quantiles: 2 to 3 points) is the one that is looked for.
+const HIT: f64 = 0.07;
+/// Sizes that are nearer to each other than this share are one: a power that leaps between them stands nowhere.
+const NARROW: f64 = 5e-3;
 /// Largest factor from one trial to the next.
 const STRIDE: f64 = 2.5;
 /// Shares of the plausible size beyond which no size is looked for.
@@ -50,7 +50,7 @@ pub struct Confirmed {
     pub shape: Vec<(String, f64)>,
     /// Chance that the screen calls it significant at the plausible size.
     pub power: f64,
-    /// Least size found that is seen with 50, 80 and 90 % power; none where none was found, or sizes were not asked.
+    /// The least tried size that is seen with 50, 80 and 90 % power; none where none was found.
     pub seen_at: [Option<f64>; 3],
     /// Sizes that were tried and their powers, the least first.
     pub tried: Vec<(f64, f64)>,
@@ -62,20 +62,15 @@ pub struct Confirmed {
     pub not: Option<String>,
 }
 
-/// The size at which a power stands, the least where several do.
+/// The least tried size that has a power. Not between two of them: where the base has more than one optimum, the power does
+/// not go evenly from one to the other.
 pub(super) fn seen_at(tried: &[(f64, f64)], power: f64) -> Option<f64> {
-    let z = quantile(power);
-    let hit = tried.iter().position(|t| (quantile(t.1) - z).abs() < HIT);
-    let pair = tried.windows(2).position(|w| quantile(w[0].1) < z && z <= quantile(w[1].1));
-    match (hit, pair) {
-        (Some(hit), pair) if pair.is_none_or(|pair| hit <= pair) => Some(tried[hit].0),
-        (_, Some(pair)) => {
-            let [(a, p), (b, q)] = [tried[pair], tried[pair + 1]];
-            let (p, q) = (quantile(p), quantile(q));
-            Some(a + (b - a) * (z - p) / (q - p))
-        }
-        _ => None,
-    }
+    tried.iter().find(|t| hits(t.1, power)).map(|t| t.0)
+}
+
+/// Whether a power is one that is looked for, as far as the draws tell.
+fn hits(found: f64, power: f64) -> bool {
+    (quantile(found) - quantile(power)).abs() < HIT
 }
 
 /// Normal quantile of a share of the draws, not beyond what they can tell.
@@ -106,12 +101,12 @@ impl<'a> Full<'a> {
         Ok(self.linear.foresight(self.table.catalogue, &self.table.policy, false)?.effects)
     }
 
-    /// The power at the plausible size, and, if `sizes`, the sizes of some powers.
-    pub fn confirmed(&self, f: &Foreseen, sizes: bool) -> Result<Confirmed, AnalysisError> {
+    /// The power at the plausible size, and the sizes of some powers.
+    pub fn confirmed(&self, f: &Foreseen) -> Result<Confirmed, AnalysisError> {
         let mut search = Search { full: self, f, tried: Vec::new(), fitted: Vec::new() };
         let mut not = None;
         let mut share = Some(1.0);
-        for _ in 0..if sizes { TRIALS } else { 1 } {
+        for _ in 0..TRIALS {
             let Some(next) = share else { break };
             match search.try_at(next) {
                 Ok(()) => share = POWERS.iter().find_map(|p| search.next(*p)),
@@ -168,9 +163,7 @@ impl<'a> Full<'a> {
     /// The base fitted to a record, the best from several starts, and what a screen computes there.
     pub fn refitted(&self, truth: &DVector<f64>, starts: &[Vec<f64>]) -> Result<Linear, AnalysisError> {
         let mut measured = self.linear.measured.clone();
-        for block in &mut measured.data.blocks {
-            block.measured = truth.rows(block.range.start, block.range.len()).iter().copied().collect();
-        }
+        measure(&mut measured, truth);
         let (base, all) = (&self.base, self.linear.all().to_vec());
         let slots = &self.linear.measured.slots;
         let options = options(&base.case, SHORT);
@@ -198,11 +191,22 @@ impl<'a> Full<'a> {
         [self.linear.base().1.to_vec()].into_iter().chain(near.map(|n| n.1.clone())).collect()
     }
 
+    /// What the records would read without an effect, and the base's values.
+    #[cfg(test)]
+    pub fn without(&self) -> (DVector<f64>, Vec<f64>) {
+        (self.linear.prediction.values.clone(), self.linear.base().1.to_vec())
+    }
+
+    /// Noise of a record.
+    #[cfg(test)]
+    pub fn noise(&self, random: &mut inverse::Random) -> DVector<f64> {
+        self.linear.measured.data.simulate_noise(random)
+    }
+
     fn chance(&self, linear: &Linear, effect: &str) -> Result<f64, AnalysisError> {
-        let (frees, theta) = linear.base();
-        let at_bound: Vec<bool> = frees.iter().zip(theta).map(|(f, t)| f.at_bound(*t)).collect();
-        let found = chances(&linear.misfit(), &at_bound, &linear.candidates, DRAWS, &self.table.policy)
-            .map_err(|e| AnalysisError::Case(e.to_string()))?;
+        let found =
+            chances(&linear.misfit(), &linear.at_bound(), &linear.candidates, DRAWS, &self.table.policy)
+                .map_err(|e| AnalysisError::Case(e.to_string()))?;
         Ok(found.iter().find(|c: &&Chance| c.effect == effect).map_or(0.0, |c| c.called))
     }
 }
@@ -228,18 +232,21 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// The share to try next for a power; `None` where what was tried brackets it closely, or nothing does.
+    /// The share to try next for a power; `None` where one that was tried has it, or none has.
     fn next(&self, power: f64) -> Option<f64> {
         let z = quantile(power);
         let all: Vec<(f64, f64)> = self.tried.iter().map(|t| (t.0, quantile(t.1))).collect();
-        if all.iter().any(|t| (t.1 - z).abs() < HIT) {
+        if seen_at(&self.tried, power).is_some() {
             return None;
         }
         let told = |q: f64| quantile(0.0) < q && q < quantile(1.0);
         if let Some(pair) = all.windows(2).find(|w| w[0].1 < z && z <= w[1].1) {
             let [(a, p), (b, q)] = [pair[0], pair[1]];
-            let inside = if told(p) && told(q) { a + (b - a) * (z - p) / (q - p) } else { 0.5 * (a + b) };
-            return (q - p > CLOSE).then_some(inside);
+            // Halved where the line would stay at an end: the power may leap.
+            let on_line = (z - p) / (q - p);
+            let even = told(p) && told(q) && (0.1..0.9).contains(&on_line);
+            let inside = a + (b - a) * if even { on_line } else { 0.5 };
+            return ((b - a) > NARROW * b).then_some(inside);
         }
         let (first, last) = (all.first()?, all.last()?);
         let from = if first.1 >= z { first } else { last };

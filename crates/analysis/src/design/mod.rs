@@ -2,6 +2,7 @@
 
 mod engine;
 mod full;
+mod guess;
 mod program;
 #[cfg(test)]
 mod repeats;
@@ -15,8 +16,9 @@ use crate::condensed;
 use crate::identify::AnalysisError;
 use crate::problem::Cancelled;
 use diagnose::{Foreseen, Policy};
-use engine::{LOOK, with_guess};
+use engine::LOOK;
 use full::Full;
+use guess::with_guess;
 use input::{Case, Leg};
 use model::Catalogue;
 use program::PROGRAMS;
@@ -38,10 +40,37 @@ pub struct DesignRequest {
     pub range_n: Option<f64>,
     /// Two effects to be told apart.
     pub rivals: Option<[String; 2]>,
-    /// The linear look alone; the proposed protocol is not asked of the full model.
-    pub quick: bool,
-    /// The full model is also asked which sizes are seen with 50, 80 and 90 % power.
-    pub sizes: bool,
+    /// Effects that the full model is asked about, in the proposed protocol.
+    pub full: Asked,
+}
+
+/// Effects that the full model is asked about: their power at a plausible size, and the sizes of some powers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Asked {
+    /// None: the linear look is the answer.
+    #[default]
+    None,
+    /// These.
+    Named(Vec<String>),
+    /// All that rise above the noise by the linear look.
+    All,
+}
+
+impl Asked {
+    fn has(&self, f: &Foreseen) -> bool {
+        match self {
+            Self::None => false,
+            Self::Named(names) => names.contains(&f.effect),
+            Self::All => full::worth_asking(f),
+        }
+    }
+
+    fn names(&self) -> &[String] {
+        match self {
+            Self::Named(names) => names,
+            Self::None | Self::All => &[],
+        }
+    }
 }
 
 /// A protocol that was weighed: by a linear look at the model, and the proposed one by the full model too.
@@ -59,7 +88,7 @@ pub struct RatedProtocol {
     pub force: Foresight,
     /// With cameras on edges, width and tear.
     pub camera: Foresight,
-    /// Load cell alone by the full model, effects that the linear look says may show.
+    /// Load cell alone by the full model: the effects that were asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub full: Vec<Confirmed>,
     /// Power that tells the rivals apart: load cell alone, with cameras.
@@ -108,7 +137,9 @@ pub fn design(
     progress: &(dyn Fn(&str) + Sync),
     cancelled: Cancelled,
 ) -> Result<DesignAnswer, AnalysisError> {
-    if let Some(missing) = request.rivals.iter().flatten().find(|r| catalogue.get(r).is_none()) {
+    if let Some(missing) =
+        request.rivals.iter().flatten().chain(request.full.names()).find(|r| catalogue.get(r).is_none())
+    {
         let text = format!("`{missing}` is not in the catalogue; `fct effects` lists it");
         return Err(AnalysisError::Case(text));
     }
@@ -142,8 +173,8 @@ pub fn design(
         }
         None => Vec::new(),
     };
-    if !request.quick {
-        weighed[0].0.full = confirmed(&table, &weighed[0], &noise, request.sizes, progress)?;
+    if request.full != Asked::None {
+        weighed[0].0.full = confirmed(&table, &weighed[0], &noise, &request.full, progress)?;
     }
     Ok(DesignAnswer {
         remarks: table.remarks(&peaks, &noise, request),
@@ -167,15 +198,15 @@ fn confirmed(
     table: &Table,
     (rated, legs): &(RatedProtocol, Vec<Vec<Leg>>),
     noise: &[f64],
-    sizes: bool,
+    asked: &Asked,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Vec<Confirmed>, AnalysisError> {
     let full = Full::new(table, legs, noise)?;
-    let asked: Vec<Foreseen> = full.foreseen()?.into_iter().filter(full::worth_asking).collect();
+    let effects: Vec<Foreseen> = full.foreseen()?.into_iter().filter(|f| asked.has(f)).collect();
     let mut out = Vec::new();
-    for (k, f) in asked.iter().enumerate() {
-        progress(&format!("{}, full model: {} ({} of {})", rated.words, f.effect, k + 1, asked.len()));
-        out.push(full.confirmed(f, sizes)?);
+    for (k, f) in effects.iter().enumerate() {
+        progress(&format!("{}, full model: {} ({} of {})", rated.words, f.effect, k + 1, effects.len()));
+        out.push(full.confirmed(f)?);
     }
     out.sort_by(|a, b| b.power.total_cmp(&a.power));
     Ok(out)

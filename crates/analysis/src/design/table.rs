@@ -1,6 +1,7 @@
 //! The tests of a case with protocols in them: how far they go, their noise, and a linear look at what they would show.
 
-use super::engine::{Linear, Steps, linear, model_of, options, with_strength};
+use super::engine::{Linear, Steps, linear, model_of, options};
+use super::guess::with_strength;
 use super::program::{Program, Pull, record, seconds};
 use super::{DesignRequest, RatedProtocol, Variant};
 use crate::Slot;

@@ -9,7 +9,7 @@ use inverse::{
     Fit, Free, Identifiability, Objective, PredictError, Prediction, Problem, StopReason, Uncertainty,
     quality, uncertainty,
 };
-use model::{Model, RunOptions};
+use model::{Catalogue, Model, RunOptions};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -18,14 +18,14 @@ use rayon::prelude::*;
 const ASKED: usize = 2;
 
 /// The models and data that an answer is made from.
-struct Answer<'m> {
-    fine: &'m Model,
+pub(super) struct Answer<'m> {
+    pub(super) fine: &'m Model,
     coarse: Option<&'m Model>,
     /// Data with the record's noise alone.
     noisy: &'m Measured,
     /// Indices of the free parameters.
     free: Vec<usize>,
-    frees: Vec<Free>,
+    pub(super) frees: Vec<Free>,
     last: Stage,
 }
 
@@ -37,6 +37,7 @@ impl Work<'_> {
         coarse: Option<Model>,
         noisy: Measured,
         list: &[StagePlan],
+        catalogue: &Catalogue,
     ) -> Result<Identified, AnalysisError> {
         self.control.cancelled.phase(Phase::Intervals);
         let free = fine.free();
@@ -53,7 +54,12 @@ impl Work<'_> {
         let straight = self.intervals(&answer, &measured, &fit)?;
         let led = |k: &usize| straight.covariance_z[(*k, *k)] > 2.0 * by_noise.covariance_z[(*k, *k)];
         let led_by_mesh = (0..answer.free.len()).filter(led).map(|k| answer.frees[k].path.clone()).collect();
-        let uncertainty = self.with_arms(&answer, straight)?;
+        let mut uncertainty = self.with_arms(&answer, straight)?;
+        // Numbers that cannot be used leave intervals as they are: noise and mesh alone.
+        let rest = self.unexplained(&answer, &fit, &measured, catalogue).ok();
+        if let Some(rest) = &rest {
+            uncertainty = self.allowing_for((&answer, &fit), rest, uncertainty)?;
+        }
         self.runs += 1 + usize::from(coarse.is_some());
         let Answer { free, frees, .. } = answer;
         Ok(Identified {
@@ -65,6 +71,7 @@ impl Work<'_> {
             fit: Fit { forward_runs: self.runs, ..fit },
             uncertainty,
             led_by_mesh,
+            left: rest.map(|r| r.left),
             numerical_error,
             iterations: self.iterations,
             forward_runs: self.runs,
@@ -121,7 +128,7 @@ impl Work<'_> {
         }
     }
 
-    fn intervals(
+    pub(super) fn intervals(
         &self,
         answer: &Answer,
         measured: &Measured,

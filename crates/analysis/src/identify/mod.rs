@@ -3,6 +3,7 @@
 
 mod finish;
 mod intervals;
+mod rest;
 mod search;
 mod work;
 
@@ -121,6 +122,8 @@ pub struct Identified {
     pub uncertainty: Uncertainty,
     /// Parameters whose variance is more the mesh's error than the noise.
     pub led_by_mesh: Vec<String>,
+    /// What the model leaves unexplained; `None` where no number could be given.
+    pub left: Option<crate::Left>,
     /// What a mesh twice as coarse predicts less, per point.
     pub numerical_error: DVector<f64>,
     /// Accepted steps on the given mesh, per stage the largest.
@@ -185,7 +188,7 @@ pub fn identify(
     if case.identify.release_bulk && staged(&list) && work.tear_left.unexplained() {
         list.extend(search.release(&mut work));
     }
-    work.finish(fine, coarse, measured, &list)
+    work.finish(fine, coarse, measured, &list, catalogue)
 }
 
 /// A case on a mesh about twice as coarse: half the divisions, where the file gives them; otherwise its sizes are coarsened

@@ -72,6 +72,8 @@ pub struct FeLadder<'a> {
     pub rungs: BTreeMap<Vec<String>, Fitted>,
     /// Candidates of the latest screen, with raw columns.
     pub candidates: Vec<Candidate>,
+    /// Candidates of every screen, by the rung's sorted effects.
+    pub screened: BTreeMap<Vec<String>, Vec<Candidate>>,
     /// Values that the base's fit began with.
     first: Vec<f64>,
     runs: AtomicUsize,
@@ -119,6 +121,7 @@ impl<'a> FeLadder<'a> {
             measured,
             rungs: BTreeMap::new(),
             candidates: Vec::new(),
+            screened: BTreeMap::new(),
             first: Vec::new(),
             runs: AtomicUsize::new(0),
             policy,
@@ -218,6 +221,7 @@ impl diagnose::Ladder for FeLadder<'_> {
         let mut prediction = screened.prediction;
         prediction.values += &f.correction;
         self.candidates = screened.candidates;
+        self.screened.insert(key.clone(), self.candidates.clone());
         let judged = |data: &Data| {
             let white = Whitened::new(data, &f.frees, &f.fit.theta, &prediction, Noise::Total);
             diagnose::screen(&white, &f.fit.at_bound, &self.candidates, data.points(), &self.policy)
@@ -245,7 +249,7 @@ impl diagnose::Ladder for FeLadder<'_> {
     }
 }
 
-impl FeLadder<'_> {
+impl<'a> FeLadder<'a> {
     /// Forward runs so far.
     pub fn runs(&self) -> usize {
         self.runs.load(Ordering::Relaxed)
@@ -261,7 +265,7 @@ impl FeLadder<'_> {
     }
 
     /// The effects that are searched.
-    pub const fn catalogue(&self) -> &Catalogue {
+    pub const fn catalogue(&self) -> &'a Catalogue {
         self.catalogue
     }
 
@@ -270,6 +274,14 @@ impl FeLadder<'_> {
         let mut k = effects.to_vec();
         k.sort();
         k
+    }
+
+    /// How probable each set of effects is by what was fitted and screened so far, and how much is left.
+    ///
+    /// # Errors
+    /// [`evidence::EvidenceError`] when a number cannot be used or nothing was fitted.
+    pub fn probable(&self) -> Result<crate::Probable, evidence::EvidenceError> {
+        crate::probable::probable(self)
     }
 
     /// The case on its search mesh.

@@ -37,13 +37,7 @@ fn a_design_prefers_protocols_that_show_more() {
     let folder = tempfile::tempdir().expect("a folder");
     let case = Arc::new(strip(folder.path()));
     let rivals = Some(["viscoelastic", "mullins"].map(str::to_owned));
-    let request = DesignRequest {
-        budget_s: 3600.0,
-        rivals,
-        range_n: Some(1e-3),
-        quick: true,
-        ..DesignRequest::default()
-    };
+    let request = DesignRequest { budget_s: 3600.0, rivals, range_n: Some(1e-3), ..DesignRequest::default() };
     let answer = design(&case, &effects::catalogue(), &request, &|_| {}, &|| false).expect("a design");
     let of = |name: &str| answer.protocols.iter().find(|p| p.name == name).expect("weighed");
     let snr = |w: &RatedProtocol, effect: &str| {

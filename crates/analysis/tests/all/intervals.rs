@@ -48,10 +48,8 @@ fn identified(case: input::Case) -> Identified {
     identify(Arc::new(case), &effects::catalogue(), &control).unwrap()
 }
 
-/// A softening zone as small as the elements is known less towards higher strength: that arm is the longer one, and no
-/// arm is shorter than the standard error at the answer makes it.
-#[test]
-fn arms_of_a_strength_follow_what_the_mesh_can_tell() {
+/// The strip's records with noise of 4 mN and a distortion that no parameter makes: a wave of a share of each peak.
+fn distorted(wave: f64) -> input::Case {
     let folder = tempfile::tempdir().unwrap();
     let mut case = case(folder.path(), "force_sd_N = 0.004");
     let truth = Model::new(Arc::new(case.clone()), &effects::catalogue(), Discretisation::default()).unwrap();
@@ -64,26 +62,39 @@ fn arms_of_a_strength_follow_what_the_mesh_can_tell() {
     )
     .unwrap()
     .values;
-    let mut noisy = forces
-        .iter()
-        .zip(Random::new(5).normals(forces.len()).iter())
-        .map(|(f, n)| f + 0.004 * n)
-        .collect::<Vec<_>>()
-        .into_iter();
+    let noise = Random::new(5).normals(forces.len());
+    let mut noisy =
+        forces.iter().zip(noise.iter()).map(|(f, n)| f + 0.004 * n).collect::<Vec<_>>().into_iter();
     for test in &mut case.tests {
-        test.record.as_mut().unwrap().force.iter_mut().for_each(|f| *f = noisy.next().unwrap());
+        let force = &mut test.record.as_mut().unwrap().force;
+        let (points, peak) = (force.len() as f64, force.iter().fold(0.0f64, |m, f| m.max(f.abs())));
+        for (i, f) in force.iter_mut().enumerate() {
+            *f = noisy.next().unwrap() + wave * peak * (20.0 * i as f64 / points).sin();
+        }
     }
-    let found = identified(case);
+    case
+}
+
+/// A softening zone as small as the elements is known less towards higher strength: that arm is the longer one, and no
+/// arm is shorter than the standard error at the answer makes it.
+#[test]
+fn arms_of_a_strength_follow_what_the_mesh_can_tell() {
+    let found = identified(distorted(0.0));
     let arms: Vec<[f64; 2]> = (0..found.frees.len())
         .map(|k| {
             let (f, e) = (&found.frees[k], &found.uncertainty.estimates[k]);
             let sd = found.uncertainty.covariance_z[(k, k)].sqrt();
-            e.interval_95.map(|end| (f.forward(end) - f.forward(e.value)).abs() / (Z95 * sd))
+            e.interval_95_if_right.map(|end| (f.forward(end) - f.forward(e.value)).abs() / (Z95 * sd))
         })
         .collect();
     println!("{arms:.3?}");
+    for e in &found.uncertainty.estimates {
+        // Allowing for the rest takes nothing away.
+        let [a, b] = e.interval_95_if_right;
+        assert!(e.interval_95[0] <= a && b <= e.interval_95[1], "{e:?}");
+    }
     for ((f, arm), e) in found.frees.iter().zip(&arms).zip(&found.uncertainty.estimates) {
-        for (a, end) in arm.iter().zip(e.interval_95) {
+        for (a, end) in arm.iter().zip(e.interval_95_if_right) {
             // Bounds cut.
             let cut = end <= f.lower || end >= f.upper;
             assert!(cut || (1.0 - 1e-9..=2.0 + 1e-9).contains(a), "{} {arm:?}", f.path);
@@ -92,4 +103,25 @@ fn arms_of_a_strength_follow_what_the_mesh_can_tell() {
     }
     let strength = found.frees.iter().position(|f| f.path == "interface.area[1].sigma_c").unwrap();
     assert!(arms[strength][1] > 1.02, "{arms:?}");
+}
+
+/// A wave of 4 % of the peak is a rest of some 3 %, which intervals allow for and noise does not; without it nothing is left.
+#[test]
+fn what_the_model_leaves_widens_intervals() {
+    let (clean, off) = (identified(distorted(0.0)), identified(distorted(0.04)));
+    let left = |of: &Identified| of.left.clone().unwrap();
+    let wider = |of: &Identified| -> Vec<f64> {
+        let width = |[a, b]: [f64; 2]| b - a;
+        let all = of.uncertainty.estimates.iter().filter(|e| !e.at_bound && e.identifiable);
+        all.map(|e| width(e.interval_95) / width(e.interval_95_if_right)).collect()
+    };
+    println!("{:?} {:?}", left(&clean), left(&off));
+    println!("{:.2?} {:.2?}", wider(&clean), wider(&off));
+    assert_eq!(left(&clean).explained_to, evidence::ExplainedTo::Noise);
+    assert_eq!(left(&off).explained_to, evidence::ExplainedTo::Not);
+    let share = left(&off).rest.all;
+    let wave = 0.04 / 2f64.sqrt();
+    assert!(share.interval_95[0] < wave && wave < share.interval_95[1], "{share:?}");
+    assert!(wider(&clean).iter().all(|w| *w < 1.5), "{:?}", wider(&clean));
+    assert!(wider(&off).iter().any(|w| *w > 2.0), "{:?}", wider(&off));
 }

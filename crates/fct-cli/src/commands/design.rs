@@ -2,7 +2,7 @@
 
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
-use analysis::{DesignRequest, design};
+use analysis::{Asked, DesignRequest, design};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -28,12 +28,9 @@ pub struct Arguments {
     /// Range of the load cell, N
     #[arg(long = "range-N", value_name = "N", value_parser = positive)]
     pub range_n: Option<f64>,
-    /// The linear look alone: the proposed protocol is not asked of the full model
-    #[arg(long)]
-    pub quick: bool,
-    /// Ask the full model also which sizes are seen with 50, 80 and 90 % power; several times as long
-    #[arg(long, conflicts_with = "quick")]
-    pub sizes: bool,
+    /// Effects, or `all`, that the full model is asked about in the proposed protocol: minutes for each
+    #[arg(long, value_name = "EFFECT,…", value_delimiter = ',')]
+    pub full: Vec<String>,
 }
 
 /// A number above 0.
@@ -49,6 +46,15 @@ fn seconds(text: &str) -> Result<f64, String> {
     let found = units.into_iter().find_map(of);
     let (number, factor) = found.ok_or("expected a time with its unit, as 90s, 30min or 2h")?;
     Ok(factor * positive(number.trim())?)
+}
+
+/// What `--full` asks for.
+fn asked(names: &[String]) -> Asked {
+    match names {
+        [] => Asked::None,
+        [all] if all.trim() == "all" => Asked::All,
+        names => Asked::Named(names.iter().map(|n| n.trim().to_owned()).collect()),
+    }
 }
 
 /// Weighs protocols.
@@ -73,8 +79,7 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
         noise_n: arguments.noise_n,
         range_n: arguments.range_n,
         rivals: rivals.clone(),
-        quick: arguments.quick,
-        sizes: arguments.sizes,
+        full: asked(&arguments.full),
     };
     let progress = |text: &str| session.say(text);
     let cancelled = || session.cancelled();

@@ -1,6 +1,7 @@
 //! The table, and its second part: the model and the run.
 
 use super::{Fallback, Key, Kind, Limits, table_specimen};
+use crate::config::DiagnoseConfig;
 use params::Quantity::{self, *};
 
 /// Collects the keys, section by section.
@@ -130,12 +131,31 @@ fn run(b: &mut Builder) {
             absent("off to identify, on to diagnose"),
             "literature's priors on or off, or priors of your own",
         )
+        .key(
+            "prior",
+            Kind::Table,
+            absent("none"),
+            "what is believed of single parameters: `prior.bulk.mu_kPa = { value = 5, factor = 2 }`",
+        )
         .key("coarse_first", Kind::Bool, Fallback::Bool(true), "fit on a coarser mesh first")
         .key(
             "release_bulk",
             Kind::Bool,
             Fallback::Bool(true),
             "staged: fit everything at once where the intact strip's bulk leaves the tear unexplained",
+        );
+    b.section("diagnose")
+        .key(
+            "rest",
+            share(1e-4, 0.5),
+            Fallback::Number(DiagnoseConfig::default().rest),
+            "what a complete model of such a test leaves unexplained, share of the peak force",
+        )
+        .key(
+            "practice",
+            share(1e-4, 0.5),
+            Fallback::Number(DiagnoseConfig::default().practice),
+            "largest rest that counts as explained in practice, share of the peak force",
         );
     b.section("solver")
         .key(

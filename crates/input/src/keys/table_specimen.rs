@@ -31,6 +31,7 @@ pub(super) fn specimen(b: &mut Builder) {
         .key("bulk", Kind::Table, absent("defaults"), "the law of the tissue")
         .key("interface", Kind::Table, absent("defaults"), "the law of the tear path")
         .key("effects", Kind::Table, absent("none"), "effects added to the base model, `[effects.NAME]`")
+        .key("diagnose", Kind::Table, absent("defaults"), "what is believed before a record is looked at")
         .key("identify", Kind::Table, absent("defaults"), "the inverse analysis")
         .key("solver", Kind::Table, absent("defaults"), "the forward analysis")
         .key("output", Kind::Table, absent("defaults"), "what is written");

@@ -84,6 +84,7 @@ fn read(path: &Path, registry: &dyn EffectRegistry, sink: &Sink) -> Option<Case>
         bulk,
         interface,
         identify: run::identify(&identify, priors),
+        diagnose: run::diagnose(&top),
         solver: run::solver(&top, &tests),
         output: run::output(&top),
         geometry,

@@ -20,12 +20,19 @@ pub(crate) fn priors(
     laws: &[Chosen; 2],
 ) -> PriorsConfig {
     let mut out = PriorsConfig::default();
+    let all = (registry, laws);
+    if let Some(entry) = identify.entry("prior") {
+        match entry.item.get_ref() {
+            DeValue::Table(table) => own(identify, (entry, "prior"), table, all, &mut out),
+            _ => scalar::wrong_type(identify.context, "prior", entry.item, "a table"),
+        }
+    }
     let Some(entry) = identify.entry("priors") else { return out };
     match entry.item.get_ref() {
         DeValue::Boolean(b) => out.literature = Some(*b),
         DeValue::String(s) if s == "literature" => out.literature = Some(true),
         DeValue::String(s) if s == "off" => out.literature = Some(false),
-        DeValue::Table(table) => own(identify, entry, table, (registry, laws), &mut out),
+        DeValue::Table(table) => own(identify, (entry, "priors"), table, all, &mut out),
         _ => scalar::wrong_type(
             identify.context,
             "priors",
@@ -38,7 +45,7 @@ pub(crate) fn priors(
 
 fn own<'a>(
     identify: &Section<'a>,
-    entry: &Entry<'a>,
+    (entry, named): (&Entry<'a>, &str),
     table: &'a DeTable<'a>,
     (registry, laws): (&dyn EffectRegistry, &[Chosen; 2]),
     out: &mut PriorsConfig,
@@ -50,18 +57,19 @@ fn own<'a>(
         default: Fallback::Absent("".into()),
         description: "".into(),
     };
-    let groups = vec![
-        group("literature", Kind::Bool),
-        group("bulk", Kind::Table),
-        group("interface", Kind::Table),
-        group("effects", Kind::Table),
-    ];
+    let with_literature = named == "priors";
+    let mut groups = ["bulk", "interface", "effects"].map(|name| group(name, Kind::Table)).to_vec();
+    if with_literature {
+        groups.push(group("literature", Kind::Bool));
+    }
     let context = identify.context;
-    let s = Section::open(context, "[identify.priors]", entry.key_span.clone(), table, groups);
-    out.literature = Some(s.flag("literature"));
+    let s = Section::open(context, format!("[identify.{named}]"), entry.key_span.clone(), table, groups);
+    if with_literature {
+        out.literature = Some(s.flag("literature"));
+    }
     for (site, law) in LawSite::ALL.into_iter().zip(laws) {
         let Some((span, table)) = law_tables(&s, site) else { continue };
-        let title = format!("[identify.priors.{}]", site.section());
+        let title = format!("[identify.{named}.{}]", site.section());
         let part = Section::open(context, title, span, table, law.prior_keys());
         law.refuse_foreign(&part);
         collect(&part, site.section(), law, out);
@@ -71,14 +79,14 @@ fn own<'a>(
         let name = key.get_ref().as_ref();
         let Some(specs) = registry.parameters(name) else {
             context.report(
-                Report::error(format!("unknown effect `{}` in [identify.priors]", short(name))),
+                Report::error(format!("unknown effect `{}` in [identify.{named}]", short(name))),
                 key.span(),
             );
             continue;
         };
         let keys = specs.iter().map(|s| key_of(format!("effects.{name}"), s)).collect();
         if let Some(table) = as_table(&s, name, item) {
-            let title = format!("[identify.priors.effects.{name}]");
+            let title = format!("[identify.{named}.effects.{name}]");
             let part = Section::open(context, title, key.span(), table, keys);
             collect(&part, &format!("effects.{name}"), &laws[0], out);
         }
@@ -102,10 +110,10 @@ fn collect(s: &Section<'_>, prefix: &str, law: &Chosen, out: &mut PriorsConfig) 
     }
 }
 
-/// `{ mean, relative_sd }`
+/// `{ value, factor }` or `{ mean, relative_sd }`: `factor` is that of one standard deviation either way, in the logarithm.
 fn prior(context: Context<'_>, written: &str, item: &Item<'_>, factor: f64, key: &Key) -> Option<Prior> {
     let DeValue::Table(table) = item.get_ref() else {
-        scalar::wrong_type(context, written, item, "{ mean, relative_sd }");
+        scalar::wrong_type(context, written, item, "{ value, factor } or { mean, relative_sd }");
         return None;
     };
     let Kind::Parameter { limits, .. } = key.kind else { return None };
@@ -117,15 +125,26 @@ fn prior(context: Context<'_>, written: &str, item: &Item<'_>, factor: f64, key:
         description: "a number".into(),
     };
     let in_file = Limits { lower: limits.lower / factor, upper: limits.upper / factor, ..limits };
-    let keys = vec![number("mean", in_file), number("relative_sd", Limits::positive(100.0))];
-    let s = Section::open(context, format!("prior `{}`", short(written)), item.span(), table, keys);
-    let prior = Prior {
-        mean: s.number("mean") * factor,
-        relative_sd: s.number("relative_sd"),
-        quantity: key.quantity(),
+    let by_factor = table.keys().any(|k| ["value", "factor"].contains(&k.get_ref().as_ref()));
+    let (middle, spread, widest) = if by_factor {
+        ("value", "factor", Limits::within(1.001, 1e3))
+    } else {
+        ("mean", "relative_sd", Limits::positive(100.0))
     };
+    let keys = vec![number(middle, in_file), number(spread, widest)];
+    let s = Section::open(context, format!("prior `{}`", short(written)), item.span(), table, keys);
+    let given = s.number(spread);
+    // Of a log-normal distribution: sd of the logarithm = √ln(1 + relative_sd²).
+    let relative_sd = if by_factor { given.ln().powi(2).exp_m1().sqrt() } else { given };
+    let prior = Prior { mean: s.number(middle) * factor, relative_sd, quantity: key.quantity() };
     if prior.mean == 0.0 {
-        s.fault("mean", "`mean` is 0; expected another number, since relative_sd is a share of it");
+        s.fault(
+            middle,
+            format!(
+                "`{middle}` is 0; expected another number, since {spread} is {}",
+                if by_factor { "relative to it" } else { "a share of it" }
+            ),
+        );
     }
     (prior.mean.is_finite() && prior.relative_sd.is_finite()).then_some(prior)
 }

@@ -5,7 +5,8 @@ use super::section::Section;
 use super::specimen::subsection;
 use crate::case::{Leg, Test};
 use crate::config::{
-    Control, Figure, IdentifyConfig, Integration, Mode, OutputConfig, PriorsConfig, SolverConfig,
+    Control, DiagnoseConfig, Figure, IdentifyConfig, Integration, Mode, OutputConfig, PriorsConfig,
+    SolverConfig,
 };
 use crate::diagnostics::Report;
 use crate::keys::{Kind, plain};
@@ -25,6 +26,12 @@ pub(crate) fn identify(s: &Section<'_>, priors: PriorsConfig) -> IdentifyConfig 
         coarse_first: s.flag("coarse_first"),
         release_bulk: s.flag("release_bulk"),
     }
+}
+
+/// `[diagnose]`
+pub(crate) fn diagnose(top: &Section<'_>) -> DiagnoseConfig {
+    let s = subsection(top, "diagnose");
+    DiagnoseConfig { rest: s.number("rest"), practice: s.number("practice") }
 }
 
 /// `[solver]`

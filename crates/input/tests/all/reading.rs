@@ -240,9 +240,29 @@ fields = false
 figures = ["png", "svg"]
 "#;
 
+/// Beliefs of single parameters, the literature's left alone, and of what a complete model leaves.
+const BELIEFS: &str = r#"[identify]
+prior.bulk.mu_kPa = { value = 3.3, factor = 2 }
+prior.interface.gc_N_per_mm = { mean = 0.1, relative_sd = 0.7 }
+[diagnose]
+rest = 0.03
+practice = 0.05
+"#;
+
+#[test]
+fn a_factor_is_that_of_one_standard_deviation() {
+    let case = good(&format!("{STRIP}{BELIEFS}"));
+    let prior = case.identify.priors.given["bulk.mu"];
+    assert!((prior.mean - 3.3e-3).abs() < 1e-12);
+    assert!(((1.0 + prior.relative_sd.powi(2)).ln().sqrt() - 2f64.ln()).abs() < 1e-12);
+    assert_eq!(case.identify.priors.literature, None);
+    assert_eq!((case.diagnose.rest, case.diagnose.practice), (0.03, 0.05));
+}
+
 #[test]
 fn what_is_resolved_reads_back_to_the_last_bit() {
-    for text in [STRIP, RICH] {
+    let beliefs = format!("{STRIP}{BELIEFS}");
+    for text in [STRIP, RICH, &beliefs] {
         let folder = folder(&[("case.toml", text), ("a.csv", RECORD)]);
         let case = read_case(&folder.path().join("case.toml"), &Catalogue).unwrap_or_else(|e| panic!("{e}"));
         let (resolved, elsewhere) = (resolved_toml(&case), tempfile::tempdir().expect("a folder"));

@@ -74,7 +74,11 @@ fn an_arm_takes_the_mean_error_along_it_and_none_gets_shorter() {
         assert!((e.interval_95[0] + Z95 * 0.25 * low).abs() < 1e-6, "{:?}", e.interval_95);
         assert!((e.interval_95[1] - Z95 * 0.25 * high).abs() < 1e-6, "{:?}", e.interval_95);
         assert_eq!(
-            Estimate { interval_95: straight.estimates[0].interval_95, ..e.clone() },
+            Estimate {
+                interval_95: straight.estimates[0].interval_95,
+                interval_95_if_right: straight.estimates[0].interval_95,
+                ..e.clone()
+            },
             straight.estimates[0]
         );
     }

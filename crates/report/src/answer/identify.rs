@@ -3,7 +3,7 @@
 use super::remarks::{held_at_limits, led_by_mesh, remarks};
 use super::{EnergyAnswer, SCHEMA, finite};
 use crate::published::Published;
-use analysis::{HistoryEntry, Identified, PhaseCost, SimulatedTest};
+use analysis::{HistoryEntry, Identified, Left, PhaseCost, SimulatedTest};
 use indexmap::IndexMap;
 use inverse::Quality;
 use model::Channel;
@@ -27,6 +27,9 @@ pub struct IdentifyAnswer {
     /// Fit of the camera channels, by `test.channel`; misfits in mm.
     #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
     pub channels: IndexMap<String, TestFit>,
+    /// What the model leaves unexplained, share of the peak force, and to what the records are explained.
+    #[serde(flatten, default, skip_serializing_if = "Option::is_none")]
+    pub left: Option<Left>,
     /// Root mean square misfit over all force points, N.
     pub rms_N: f64,
     /// χ² per degree of freedom with the record's noise alone.
@@ -81,8 +84,11 @@ pub struct ParameterAnswer {
     pub unit: String,
     /// Standard error; null where the records do not fix the parameter at all.
     pub std_error: Option<f64>,
-    /// 95 % interval.
+    /// 95 % interval, allowing for what the model leaves unexplained.
     pub interval_95: [Option<f64>; 2],
+    /// The same if the model were right: noise and mesh alone.
+    #[serde(default)]
+    pub interval_95_if_right: [Option<f64>; 2],
     /// Whether it stands at a bound.
     pub at_bound: bool,
     /// Whether the records fix it.
@@ -232,6 +238,7 @@ impl IdentifyAnswer {
             parameters,
             tests,
             channels,
+            left: done.left.clone(),
             rms_N: (squares / points.max(1) as f64).sqrt(),
             reduced_chi2: done.quality.reduced_chi2,
             reduced_chi2_total: done.quality.reduced_chi2_total,
@@ -281,6 +288,7 @@ fn parameters(done: &Identified, published: Option<&Published>) -> Vec<Parameter
             unit: spec.quantity.unit().into(),
             std_error: e.std_error.and_then(finite),
             interval_95: e.interval_95.map(finite),
+            interval_95_if_right: e.interval_95_if_right.map(finite),
             at_bound: e.at_bound,
             identifiable: e.identifiable,
             published: value.map(|at| at.value),

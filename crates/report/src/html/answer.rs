@@ -77,6 +77,9 @@ fn good_enough(v: &View) -> Card {
         significant(now.rms(), 3),
         significant(now.noise(), 3)
     );
+    if let Some(left) = &now.answer.left {
+        body.push_str(&format!("<p>{}</p>", escape(&left.sentence())));
+    }
     if let Some(own) = now.on_the_file_s_mesh() {
         body.push_str(&format!(
             "<p>As the search judged it. The curves and tables below are one run at its values on the file's mesh, where they \

@@ -79,7 +79,9 @@ pub(super) fn verdict(a: &IdentifyAnswer, style: Style) -> String {
     } else {
         style.bad("the model does not explain the records")
     };
-    format!("{}: {word}\n{chi2}", style.bold(&head))
+    let left =
+        a.left.as_ref().map_or_else(String::new, |l| format!("\n{}", wrap(&l.sentence(), style.width, 0)));
+    format!("{}: {word}\n{chi2}{left}", style.bold(&head))
 }
 
 fn parameter_table(a: &IdentifyAnswer, style: Style) -> String {

@@ -6,9 +6,12 @@
 //! counts. Windows with a step or a kink stand out by their variance and are left out. sd and AR(1) follow
 //! by restricted maximum likelihood over the remaining windows together (Patterson & Thompson 1971).
 
+mod likelihood;
+
 use crate::ratio::ratio;
 use crate::tails::chi2_isf;
 use inverse::orthonormal;
+use likelihood::{curvature_error, likelihood, most_likely};
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use std::ops::Range;
@@ -192,14 +195,6 @@ fn summary(windows: &[Window], ar1: f64, ar1_raw: f64) -> NoiseEstimate {
     }
 }
 
-/// Standard error of a correlation from the curvature of the likelihood.
-fn curvature_error(windows: &[Window], ar1: f64) -> f64 {
-    let h = 0.03;
-    let value = |phi: f64| likelihood(windows, phi).1;
-    let curvature = (2.0 * value(ar1) - value(ar1 - h) - value(ar1 + h)) / (h * h);
-    if curvature > 1.0 { curvature.sqrt().recip() } else { 1.0 }
-}
-
 fn cut(t: &[f64], y: &[f64], averages: Averages, breaks: &[usize], target: usize) -> Vec<Window> {
     let mut edges: Vec<usize> = breaks.iter().map(|&b| b.min(t.len())).collect();
     edges.push(0);
@@ -263,38 +258,4 @@ fn keep_smooth(windows: Vec<Window>) -> Vec<Window> {
         typical = ratio(kept.iter().map(|w| w.u.norm_squared()).sum(), freedom);
     }
     windows.into_iter().filter(|w| fits(w, typical)).collect()
-}
-
-/// Restricted likelihood of all windows at correlation `phi`, sd profiled: (sd, log likelihood).
-fn likelihood(windows: &[Window], phi: f64) -> (f64, f64) {
-    let (mut square, mut log_det, mut freedom) = (0.0, 0.0, 0.0);
-    for w in windows {
-        let n = w.contrasts.nrows();
-        let r = DMatrix::from_fn(n, n, |i, j| match w.position.get(i.max(j)) {
-            Some(after) if i != j => inverse::correlation_at(phi, after - w.position[i.min(j)]),
-            _ => phi.powi(i32::try_from(i.abs_diff(j)).unwrap_or(i32::MAX)),
-        });
-        let c = w.contrasts.tr_mul(&(r * &w.contrasts));
-        let Some(chol) = c.cholesky() else { return (f64::NAN, f64::NEG_INFINITY) };
-        square += w.u.dot(&chol.solve(&w.u));
-        log_det += 2.0 * chol.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>();
-        freedom += w.freedom();
-    }
-    let variance = square / freedom;
-    (variance.sqrt(), -0.5 * (freedom * variance.max(f64::MIN_POSITIVE).ln() + log_det))
-}
-
-/// Grid, then golden section, with the weak prior 1 − φ²: in short windows a correlation near 1 looks like a
-/// smooth curve, and its sd would be without bound.
-fn most_likely(windows: &[Window]) -> f64 {
-    let value = |phi: f64| likelihood(windows, phi).1 + (1.0 - phi * phi).ln();
-    let grid: Vec<f64> = (-12..=17).map(|k| 0.05 * f64::from(k)).collect();
-    let best = grid.iter().copied().max_by(|a, b| value(*a).total_cmp(&value(*b))).unwrap_or(0.0);
-    let (mut a, mut b) = (best - 0.05, best + 0.05);
-    let g = 0.618_033_988_75;
-    for _ in 0..20 {
-        let (x, y) = (b - g * (b - a), a + g * (b - a));
-        if value(x) > value(y) { b = y } else { a = x }
-    }
-    0.5 * (a + b)
 }

@@ -1,0 +1,177 @@
+//! Fitted models put to `evidence`: their linearisation, their ln Z, and what further effects would add to it.
+
+mod belief;
+
+use crate::columns::scales;
+use crate::data::Measured;
+use crate::ladder::Fitted;
+use belief::{amplitude, belief};
+use diagnose::Candidate;
+use evidence::special::ln_sum_exp;
+use evidence::{
+    Evidence, EvidenceError, HOPELESS, Judged, Kernel, Linear, Parameter, Place, Record, RestPrior, SetPrior,
+};
+use input::{Case, DiagnoseConfig};
+use inverse::{Fit, Free};
+use model::{Catalogue, Model};
+use nalgebra::DVector;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// What is believed before a record is looked at.
+#[derive(Clone, Debug)]
+pub(crate) struct Beliefs {
+    /// Of the rest.
+    pub rest: RestPrior,
+    /// Of the sets.
+    pub sets: SetPrior,
+    /// Largest rest that counts as explained in practice, share of the peak.
+    pub practice: f64,
+}
+
+impl Beliefs {
+    /// What `[diagnose]` says, for the effects of a catalogue.
+    pub fn of(config: &DiagnoseConfig, catalogue: &Catalogue) -> Self {
+        let (rest, usual) = (RestPrior::default(), DiagnoseConfig::default().rest);
+        let effects = catalogue.iter().filter(|e| !e.card().negative_control).count();
+        let sets = SetPrior::of_catalogue(effects);
+        Self { rest: rest.scaled(config.rest / usual), sets, practice: config.practice }
+    }
+}
+
+/// A model at its fit.
+#[derive(Clone, Copy)]
+pub(crate) struct AtFit<'a> {
+    pub model: &'a Model,
+    /// All values.
+    pub theta: &'a [f64],
+    pub frees: &'a [Free],
+    pub fit: &'a Fit,
+}
+
+impl<'a> From<&'a Fitted> for AtFit<'a> {
+    fn from(f: &'a Fitted) -> Self {
+        Self { model: &f.model, theta: &f.theta, frees: &f.frees, fit: &f.fit }
+    }
+}
+
+/// A fitted model with its evidence.
+pub(crate) struct Weighed {
+    /// Linearised at its fit.
+    pub linear: Linear,
+    /// ln Z and all that comes with it; none for what is far behind.
+    pub evidence: Option<Evidence>,
+    /// The same as a member of the posterior.
+    pub judged: Judged,
+}
+
+/// Where each block stands on the path of its test.
+fn places(measured: &Measured, case: &Case) -> Vec<Place> {
+    let one = |(slot, block): (&crate::data::Slot, &inverse::Block)| {
+        let test = &case.tests[slot.test];
+        let s = test.record.as_ref().map_or(Vec::new(), |r| evidence::path(&r.time, &r.displacement));
+        let peak = block.measured.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        Place {
+            test: test.name.clone(),
+            s: slot.rows.iter().filter_map(|&r| s.get(r).copied()).collect(),
+            peak,
+        }
+    };
+    measured.slots.iter().zip(&measured.data.blocks).map(one).collect()
+}
+
+/// The records as `evidence` sees them, and what is believed: the same for all models that are compared.
+pub(crate) struct Scale<'a> {
+    pub record: Record,
+    measured: DVector<f64>,
+    catalogue: &'a Catalogue,
+    pub beliefs: &'a Beliefs,
+}
+
+impl<'a> Scale<'a> {
+    /// On the points that all of the models predict smoothly. The noise is that of `measured`.
+    pub fn new<'m>(
+        measured: &Measured,
+        models: impl Iterator<Item = AtFit<'m>> + Clone,
+        catalogue: &'a Catalogue,
+        beliefs: &'a Beliefs,
+    ) -> Result<Self, EvidenceError> {
+        let case = &models.clone().next().ok_or(EvidenceError::Empty)?.model.case;
+        let mut keep = vec![true; measured.data.points()];
+        for f in models {
+            let valid = f.fit.prediction.valid.iter().flatten();
+            keep.iter_mut().zip(valid).for_each(|(k, v)| *k &= v);
+        }
+        let record = Record::new(&measured.data, &places(measured, case), Some(&keep), beliefs.rest.smooth)?;
+        Ok(Self { record, measured: measured.data.measured(), catalogue, beliefs })
+    }
+
+    /// A model linearised at its fit.
+    pub fn linear(&self, f: AtFit) -> Result<Linear, EvidenceError> {
+        let sizes = scales(f.model, f.theta);
+        let beliefs: Vec<_> = f.frees.iter().map(|x| belief(x, f.model, self.catalogue, &sizes)).collect();
+        Linear::at_fit(&self.measured, f.frees, &f.fit.theta, &f.fit.prediction, &beliefs)
+    }
+
+    /// The integral over the rest.
+    pub fn evidence(&self, linear: &Linear) -> Result<Evidence, EvidenceError> {
+        Evidence::of(&self.record, linear, &self.beliefs.rest, Kernel::Plain)
+    }
+
+    fn quick(&self, linear: &Linear) -> Result<f64, EvidenceError> {
+        Evidence::quick(&self.record, linear, &self.beliefs.rest, Kernel::Plain)
+    }
+
+    /// Every model, side by side: the integral over the rest for those that may matter, a few of its points for the others.
+    pub fn weigh(&self, all: &[(&Vec<String>, AtFit)]) -> Result<Vec<Weighed>, EvidenceError> {
+        let quick = |(_, f): &(&Vec<String>, AtFit)| {
+            let linear = self.linear(*f)?;
+            Ok((self.quick(&linear)?, linear))
+        };
+        let quickly: Vec<(f64, Linear)> = all.par_iter().map(quick).collect::<Result<_, EvidenceError>>()?;
+        let best = quickly.iter().map(|q| q.0).fold(f64::NEG_INFINITY, f64::max);
+        let matters: Vec<usize> = (0..all.len()).filter(|&k| quickly[k].0 > best - HOPELESS).collect();
+        let full = |&k: &usize| {
+            let evidence = self.evidence(&quickly[k].1)?;
+            let judged = Judged::new(all[k].0, &evidence, &self.beliefs.rest, 1.0, &self.beliefs.sets);
+            Ok((k, (judged, evidence)))
+        };
+        let fully: BTreeMap<usize, (Judged, Evidence)> =
+            matters.par_iter().map(full).collect::<Result<_, EvidenceError>>()?;
+        let (k, (known, _)) = fully.iter().next().ok_or(EvidenceError::Empty)?;
+        let (at, known) = (quickly[*k].0, known.clone());
+        let one = |(k, (quick, linear)): (usize, (f64, Linear))| {
+            let (judged, evidence) = match fully.get(&k) {
+                Some((judged, evidence)) => (judged.clone(), Some(evidence.clone())),
+                None => (known.with_effects(all[k].0, quick - at), None),
+            };
+            Weighed { linear, evidence, judged }
+        };
+        Ok(quickly.into_iter().enumerate().map(one).collect())
+    }
+
+    /// By how much ln Z changes where a candidate of a model's screen is added to it, by its columns alone: the mean over its
+    /// shapes. `None` for a candidate without columns.
+    pub fn gain(&self, of: &Linear, at: AtFit, candidate: &Candidate) -> Result<Option<f64>, EvidenceError> {
+        let Some(effect) = self.catalogue.get(&candidate.effect) else { return Ok(None) };
+        let (specs, start) =
+            (effect.parameters(&model::Options::new()), effect.start(&scales(at.model, at.theta)));
+        let Some(spec) = specs.first() else { return Ok(None) };
+        let path = format!("effects.{}.{}", candidate.effect, spec.name);
+        let free = Free::new(path, (spec.lower, spec.upper), spec.transform, spec.start);
+        let (Some(neutral), Some(belief)) = (spec.neutral, amplitude(&free, spec, 0, effect.card(), &start))
+        else {
+            return Ok(None);
+        };
+        let parameter =
+            Parameter { path: free.path.clone(), at: free.forward(neutral), belief, amplitude: true };
+        let without = self.quick(of)?;
+        let mut each = Vec::new();
+        for shape in &candidate.shapes {
+            let columns = &shape.columns * free.transform.slope(neutral);
+            each.push(self.quick(&of.with(std::slice::from_ref(&parameter), &columns)?)? - without);
+        }
+        let shapes = each.len() as f64;
+        Ok((shapes > 0.0).then(|| ln_sum_exp(each) - shapes.ln()))
+    }
+}
