@@ -4,7 +4,7 @@ use crate::cost::Watch;
 use crate::data::Slot;
 use fem::Warm;
 use inverse::{PredictError, Prediction, Problem};
-use model::{Model, Request, RunOptions, TestRun};
+use model::{Channel, Model, Request, RunOptions, TestRun};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -32,6 +32,8 @@ pub struct FeProblem<'a> {
     cancelled: Cancelled<'a>,
     /// The latest runs per test, newest last: an accepted point and a trial, say.
     warm: Mutex<Vec<Vec<Warm>>>,
+    /// What was predicted last, and where: for whoever watches.
+    last: Mutex<Option<(Vec<f64>, DVector<f64>)>>,
     runs: AtomicUsize,
 }
 
@@ -55,6 +57,7 @@ impl<'a> FeProblem<'a> {
             correction: DVector::zeros(0),
             cancelled,
             warm: Mutex::new(vec![Vec::new(); tests]),
+            last: Mutex::new(None),
             runs: AtomicUsize::new(0),
         }
     }
@@ -95,6 +98,23 @@ impl<'a> FeProblem<'a> {
                 }
             }
         }
+    }
+
+    /// Forces at the record's points, N, per test, where the latest prediction was made at these free parameters.
+    pub fn forces_at(&self, free: &[f64]) -> Vec<(String, Vec<f64>)> {
+        let last = self.last.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let Some((_, values)) = last.as_ref().filter(|l| l.0 == free) else { return Vec::new() };
+        let mut at = 0;
+        let mut out = Vec::new();
+        for slot in self.slots {
+            let n = slot.rows.len();
+            if slot.channel == Channel::Force {
+                let name = self.model.tests[slot.test].test.name.clone();
+                out.push((name, values.rows(at, n).iter().copied().collect()));
+            }
+            at += n;
+        }
+        out
     }
 
     /// Forward runs so far.
@@ -182,6 +202,9 @@ impl Problem for FeProblem<'_> {
         let theta = self.full(free);
         let seeds: &[usize] = if jacobian { &self.free } else { &[] };
         let runs = self.run(&theta, seeds)?;
-        self.gather(&runs, &theta, jacobian)
+        let prediction = self.gather(&runs, &theta, jacobian)?;
+        let mut last = self.last.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        *last = Some((free.to_vec(), prediction.values.clone()));
+        Ok(prediction)
     }
 }

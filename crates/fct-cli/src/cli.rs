@@ -2,7 +2,7 @@
 
 use crate::commands::{
     add, batch, campaign, check, compare, completions, design, diagnose, discover, drop, effects, export,
-    identify, import, ladder, man, new, report, schema, simulate, workbench,
+    identify, import, ladder, man, new, report, schema, set, simulate, workbench,
 };
 pub use crate::flags::Common;
 use crate::flags::{Answers, Draws, Makes, Runs, Shows, With, Writes};
@@ -72,6 +72,11 @@ pub enum Command {
         after_help = "Examples:\n  fct drop viscoelastic more.toml --out less.toml\n  fct drop drift runs/more"
     )]
     Drop(With<drop::Arguments, Writes>),
+    /// A config with other values, held or free parameters, another mesh
+    #[command(
+        after_help = "Examples:\n  fct set runs/base bulk.mu=0.0051 --out other.toml\n  fct set strip.toml --hold bulk.kappa --areas 3"
+    )]
+    Set(With<set::Arguments, Writes>),
     /// The whole loop until the record is explained, or honestly not
     #[command(
         after_help = "Examples:\n  fct discover strip.toml --out runs/search\n  fct discover strip.toml --out runs/search --resume"
@@ -137,6 +142,7 @@ impl Command {
             Self::Diagnose(a) => (&a.flags).into(),
             Self::Add(a) => (&a.flags).into(),
             Self::Drop(a) => (&a.flags).into(),
+            Self::Set(a) => (&a.flags).into(),
             Self::Discover(a) => (&a.flags).into(),
             Self::Ladder(a) => (&a.flags).into(),
             Self::Batch(a) => (&a.flags).into(),

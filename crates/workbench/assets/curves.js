@@ -3,7 +3,7 @@ import { byId, el, fill, show } from "./dom.js";
 import { draw } from "./plot.js";
 
 const axes = { u: "displacement, mm", t: "time, s", front: "tear front of the model, mm" };
-let axis = "u", curves = [], jacobian = null, shift = null;
+let axis = "u", curves = [], jacobian = null, shift = null, live = {};
 
 // The force of a test where parameters are moved by `shift` (path → change): the linear response.
 export function linear(curve, moved = shift) {
@@ -34,12 +34,19 @@ export function difference(before, after) {
   return most;
 }
 
+// The model's forces as a running search has them now (test → list).
+export function follow(forces) {
+  if (Object.keys(forces).length === 0) return;
+  Object.assign(live, forces);
+  requestAnimationFrame(paint);
+}
+
 export function shown() {
   return Object.fromEntries(curves.map(c => [c.test, linear(c)]).filter(c => c[1]));
 }
 
 export function set(state) {
-  [curves, jacobian, shift] = [state.curves, state.jacobian, null];
+  [curves, jacobian, shift, live] = [state.curves, state.jacobian, null, {}];
   const charts = byId("charts"), wanted = curves.map(c => c.test).join("\n");
   if (charts.dataset.tests !== wanted) {
     charts.dataset.tests = wanted;
@@ -64,14 +71,16 @@ export function paint() {
 
 function paintOne(figure, curve) {
   const begun = performance.now(), x = curve[axis] ?? curve.u, label = curve[axis] ? axes[axis] : axes.u;
-  const moved = linear(curve), series = [];
+  const now = live[curve.test]?.length === curve.f.length ? live[curve.test] : null;
+  const moved = now ?? linear(curve), series = [];
   if (curve.noise) series.push({ y: curve.f, kind: "band", colour: "band", half: 2 * curve.noise });
   series.push({ y: curve.f, kind: "dots", colour: "record" });
-  if (curve.m) series.push({ y: curve.m, kind: "line", colour: "model" });
-  if (moved) series.push({ y: moved, kind: "dash", colour: "linear" });
+  if (curve.m) series.push({ y: curve.m, kind: now ? "dash" : "line", colour: "model" });
+  if (now) series.push({ y: now, kind: "line", colour: "linear" });
+  else if (moved) series.push({ y: moved, kind: "dash", colour: "linear" });
   const [force, misfit] = figure.querySelectorAll("canvas");
   draw(force, { x, series, xlabel: label, ylabel: "force, N" });
-  misfit.hidden = !curve.m;
+  misfit.hidden = !curve.m && !now;
   const rest = (moved ?? curve.m)?.map((m, i) => curve.f[i] - m);
   if (rest) {
     const zero = rest.map(() => 0), band = { y: zero, kind: "band", colour: "band", half: 2 * curve.noise };

@@ -125,6 +125,7 @@ function iterate(p) {
   if (p.accepted && p.objective > 0) objective.push(p.objective);
   byId("doing").textContent = `${p.stage}${p.coarse ? ", coarse mesh" : ""}: step ${p.iteration}, objective ${show(p.objective, 4)}`;
   sliders.follow(p.paths, p.theta);
+  if (p.accepted) curves.follow(p.forces);
   if (objective.length > 1) sparkline(byId("fall"), objective);
 }
 

@@ -18,8 +18,8 @@ const toSlider = (r, x) => STEPS * (r.p.log ? Math.log(x / r.low) / Math.log(r.h
 const fromSlider = (r, s) => r.p.log ? r.low * (r.high / r.low) ** (s / STEPS) : r.low + (r.high - r.low) * s / STEPS;
 const told = (r, x) => `${show(x * r.p.factor, 4)} ${r.p.unit}`.trim();
 
-// Values of all parameters as they stand on the sliders.
-export const values = () => Object.fromEntries(rows.map(r => [r.p.path, r.now]));
+// Values that were moved; the others are the run's.
+const values = () => Object.fromEntries(rows.filter(r => r.now !== r.p.value).map(r => [r.p.path, r.now]));
 
 function moved() {
   const all = rows.filter(r => r.now !== r.p.value).map(r => [r.p.path, r.now - r.p.value]);

@@ -4,8 +4,8 @@ use crate::action::{Action, ImportRequest};
 use crate::events::Hub;
 use crate::opened::{First, Opened, file_name};
 use crate::queue::{Job, Queue};
-use crate::set::{Change, still};
-use crate::shell::{line, remark};
+use crate::set::Change;
+use crate::shell::{line, written};
 use crate::steps::{Fit, Step, Steps};
 use crate::tried::Teller;
 use crate::{BenchError, Commands, Listener, Told};
@@ -149,20 +149,19 @@ impl Bench {
     }
 
     fn perform(&self, action: &Action, job: &Job) -> Done {
-        let (config, run) = {
-            let steps = self.steps();
-            let present = steps.present().cloned().unwrap_or_default();
-            (present.config, present.run)
-        };
-        let config = config.ok_or_else(|| asked("no specimen yet: drop a record and give its dimensions"));
+        let present = self.steps().present().cloned().unwrap_or_default();
+        let from = present.source().map(str::to_owned);
+        let none = || asked("no specimen yet: drop a record and give its dimensions");
+        let config = || present.config.clone().ok_or_else(none);
+        let from = || from.clone().ok_or_else(none);
         match action {
             Action::Import(request) => self.import(request, job),
-            Action::Set(change) => self.set(&config?, change, "", job),
-            Action::Fit => self.fit(&config?, "fit", "Fit", Vec::new(), job),
-            Action::Diagnose => self.diagnose(&run.ok_or_else(|| asked("fit first"))?, job),
-            Action::Discover => self.discover(&config?, job),
-            Action::Add { effect } => self.edit("add", effect, &run.map_or(config, Ok)?, job),
-            Action::Drop { effect } => self.edit("drop", effect, &run.map_or(config, Ok)?, job),
+            Action::Set(change) => self.set(&from()?, change, "", job),
+            Action::Fit => self.fit(&config()?, "fit", "Fit", Vec::new(), job),
+            Action::Diagnose => self.diagnose(&present.run.clone().ok_or_else(|| asked("fit first"))?, job),
+            Action::Discover => self.discover(&config()?, job),
+            Action::Add { effect } => self.edit("add", effect, &from()?, job),
+            Action::Drop { effect } => self.edit("drop", effect, &from()?, job),
             Action::Go { .. } | Action::Stop => Ok(()),
         }
     }
@@ -203,7 +202,7 @@ impl Bench {
         if let Some(text) = request.geometry_toml()? {
             let file = self.name(&format!("{n:02}-geometry.toml"));
             self.write(&file, &text)?;
-            lines.push(remark(&format!("{file}: the dimensions")));
+            lines.push(written(&text, &file));
             words.push(format!("--geometry={file}"));
         }
         let out = self.name(&format!("imported/{n:02}"));
@@ -284,31 +283,30 @@ impl Bench {
     }
 
     /// Other values, and the model there.
-    fn set(&self, config: &str, change: &Change, title: &str, job: &Job) -> Done {
-        let case =
-            input::read_case(&self.path(config), &self.catalogue).map_err(|e| asked(&e.to_string()))?;
-        let changed = change.on(&case)?;
+    fn set(&self, from: &str, change: &Change, title: &str, job: &Job) -> Done {
         let n = self.number();
         let file = self.name(&format!("{n:02}-set.toml"));
-        self.write(&file, &input::resolved_toml(&changed))?;
-        let told = format!("{file}: {config} with the values that were set");
-        if change.divisions.is_some() || change.areas.is_some() {
+        let mut words = vec!["set".to_owned(), from.to_owned()];
+        words.extend(change.words()?);
+        words.extend(["--out".to_owned(), file.clone()]);
+        self.fct(&words, job)?;
+        let mut lines = vec![line(&words)];
+        if change.is_of_the_mesh() {
             let step = Step {
                 kind: "model".into(),
                 title: "Model".into(),
-                commands: vec![remark(&told)],
+                commands: lines,
                 config: Some(file),
                 ..Step::default()
             };
             return self.push(step, true, job);
         }
-        let exact = self.name(&format!("{n:02}-exact.toml"));
-        self.write(&exact, &input::resolved_toml(&still(&changed)))?;
         let run = self.name(&format!("runs/{n:02}-set"));
-        let words = ["identify", &exact, "--out", &run].map(str::to_owned);
+        let words = ["identify", &file, "--at-start", "--out", &run].map(str::to_owned);
         self.fct(&words, job)?;
+        lines.push(line(&words));
         let title = if title.is_empty() { "Values set" } else { title };
-        self.fitted("set", title, vec![remark(&told), line(&words)], &file, &run, true, job)
+        self.fitted("set", title, lines, &file, &run, true, job)
     }
 
     fn diagnose(&self, run: &str, job: &Job) -> Done {

@@ -1,8 +1,6 @@
-//! Configs with values of the user's choice.
+//! Values of the user's choice, as the words of `fct set`.
 
 use crate::BenchError;
-use input::{Case, Mode};
-use params::{Owner, ParamPath};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -21,101 +19,62 @@ pub struct Change {
 }
 
 impl Change {
-    /// The case with the change.
+    /// Whether the model is another one: it is not run before somebody asks.
+    pub fn is_of_the_mesh(&self) -> bool {
+        self.divisions.is_some() || self.areas.is_some()
+    }
+
+    /// The words behind `fct set FILE`.
     ///
     /// # Errors
-    /// If a path is none of the model's, or a number is none.
-    pub fn on(&self, case: &Case) -> Result<Case, BenchError> {
-        let mut out = case.clone();
-        if let Some(areas) = self.areas {
-            if !(1..=200).contains(&areas) {
-                return Err(BenchError::Asked(format!("{areas} areas; expected 1 to 200")));
-            }
-            out.interface.areas = areas;
-            out.interface.gc.truncate(1);
-            out.interface.sigma_c.truncate(1);
+    /// If a path or a number is none.
+    pub fn words(&self) -> Result<Vec<String>, BenchError> {
+        let paths = self.values.keys().chain(self.fixed.keys());
+        if let Some(bad) = paths.into_iter().find(|p| !is_path(p)) {
+            return Err(BenchError::Asked(format!("{}: no parameter of this model", input::visible(bad))));
         }
-        if let Some(divisions) = self.divisions {
-            if divisions.iter().any(|d| !(1..=400).contains(d)) {
-                return Err(BenchError::Asked("divisions of the mesh: expected 1 to 400 each".into()));
-            }
-            out.mesh.divisions = Some(divisions);
-        }
-        for (path, value) in &self.values {
-            if !value.is_finite() {
-                return Err(BenchError::Asked(format!("{path}: {value} is no value")));
+        // The shortest digits that are the same number.
+        let mut out: Vec<String> = self.values.iter().map(|(p, v)| format!("{p}={v:?}")).collect();
+        for (flag, wanted) in [("hold", true), ("free", false)] {
+            let all: Vec<&str> = self.fixed.iter().filter(|f| *f.1 == wanted).map(|f| f.0.as_str()).collect();
+            if !all.is_empty() {
+                out.push(format!("--{flag}={}", all.join(",")));
             }
         }
-        analysis::start_at(&mut out, self.values.iter().map(|(p, v)| (p.as_str(), *v)));
-        self.fixed.iter().try_for_each(|(path, fixed)| hold(&mut out, path, *fixed))?;
+        if let Some([x, y, z]) = self.divisions {
+            out.push(format!("--divisions={x},{y},{z}"));
+        }
+        out.extend(self.areas.map(|n| format!("--areas={n}")));
         Ok(out)
     }
 }
 
-/// Holds a parameter at its value, or frees it.
-fn hold(case: &mut Case, path: &str, fixed: bool) -> Result<(), BenchError> {
-    let unknown = || BenchError::Asked(format!("{}: no parameter of this model", input::visible(path)));
-    let parsed: ParamPath = path.parse().map_err(|_| unknown())?;
-    let areas = case.interface.areas;
-    let value = match &parsed.owner {
-        Owner::Bulk => case.bulk.parameters.entry(parsed.name).or_default(),
-        Owner::Interface => case.interface.parameters.entry(parsed.name).or_default(),
-        Owner::Area(at) => {
-            let list = if parsed.name == "gc" { &mut case.interface.gc } else { &mut case.interface.sigma_c };
-            let common = list.first().copied().unwrap_or_default();
-            list.resize(areas.max(1), common);
-            list.get_mut(at.wrapping_sub(1)).ok_or_else(unknown)?
-        }
-        Owner::Effect(effect) => {
-            let effect = case.effects.iter_mut().find(|e| e.name == *effect).ok_or_else(unknown)?;
-            effect.parameters.entry(parsed.name).or_default()
-        }
-    };
-    value.fixed = Some(fixed);
-    Ok(())
-}
-
-/// The case of one run at its start values, with derivatives: an identification that takes no step.
-pub fn still(case: &Case) -> Case {
-    let mut out = case.clone();
-    (out.identify.max_iterations, out.identify.multi_start) = (0, 0);
-    (out.identify.coarse_first, out.identify.mode) = (false, Mode::Joint);
-    // Pictures of the strip are for runs that stay.
-    out.output.fields = 0;
-    out
+/// Whether this is written as a path: never a flag.
+fn is_path(path: &str) -> bool {
+    let rest = |c: char| c.is_ascii_alphanumeric() || "._[]".contains(c);
+    path.starts_with(|c: char| c.is_ascii_alphabetic()) && path.chars().all(rest)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const TEXT: &str = "[geometry]\nlength_mm = 8.0\nwidth_mm = 6.0\nthickness_mm = 0.8\ncut_mm = 1.0\n[[tests]]\nkind = \"tearing\"\n\
-        protocol = [{ to_mm = 1.0, rate_mm_per_s = 0.1 }]\n[interface]\nareas = 2\ngc_N_per_mm = 0.1\n[effects.viscoelastic]\ng = 0.1\n";
-
     #[test]
-    fn a_change_is_what_the_written_file_says() -> Result<(), Box<dyn std::error::Error>> {
-        let folder = tempfile::tempdir()?;
-        let file = folder.path().join("a.toml");
-        std::fs::write(&file, TEXT)?;
-        let catalogue = effects::catalogue();
-        let case = input::read_case(&file, &catalogue)?;
+    fn a_change_is_the_words_of_a_command() -> Result<(), Box<dyn std::error::Error>> {
         let change: Change = serde_json::from_str(
-            r#"{ "values": { "bulk.mu": 0.007, "interface.area[2].gc": 0.3, "effects.viscoelastic.g": 0.25 },
-                 "fixed": { "bulk.mu": true, "interface.area[1].gc": true } }"#,
+            r#"{ "values": { "bulk.mu": 0.1, "interface.area[2].gc": 3e-17 }, "fixed": { "bulk.k1": true, "bulk.k2": false },
+                 "divisions": [8, 20, 2], "areas": 3 }"#,
         )?;
-        let back = folder.path().join("b.toml");
-        std::fs::write(&back, input::resolved_toml(&still(&change.on(&case)?)))?;
-        let read = input::read_case(&back, &catalogue)?;
-        assert_eq!((read.bulk.value("mu").value, read.bulk.value("mu").fixed), (Some(0.007), Some(true)));
-        assert_eq!([0, 1].map(|i| read.interface.gc_of(i).value), [Some(0.1), Some(0.3)]);
-        assert_eq!([0, 1].map(|i| read.interface.gc_of(i).fixed == Some(true)), [true, false]);
-        assert_eq!(read.effects[0].parameters["g"].value, Some(0.25));
-        assert_eq!(read.identify.max_iterations, 0);
-        let bad = Change { fixed: [("bulk".into(), true)].into(), ..Change::default() };
-        assert!(bad.on(&case).is_err());
-        let bad = Change { fixed: [("interface.area[9].gc".into(), true)].into(), ..Change::default() };
-        assert!(bad.on(&case).is_err());
-        assert!(Change { areas: Some(0), ..Change::default() }.on(&case).is_err());
+        let words = change.words()?.join(" ");
+        let right = "bulk.mu=0.1 interface.area[2].gc=3e-17 --hold=bulk.k1 --free=bulk.k2 --divisions=8,20,2 --areas=3";
+        assert_eq!(words, right);
+        for bad in [
+            r#"{ "values": { "--out": 1.0 } }"#,
+            r#"{ "fixed": { "a,--x": true } }"#,
+            r#"{ "fixed": { "": true } }"#,
+        ] {
+            assert!(serde_json::from_str::<Change>(bad)?.words().is_err(), "{bad}");
+        }
         Ok(())
     }
 }

@@ -20,9 +20,14 @@ fn value_quoted(value: &str) -> String {
         .map_or_else(|| quoted(value), str::to_owned)
 }
 
-/// A remark between the commands.
-pub fn remark(text: &str) -> String {
-    format!("# {}", text.replace(['\n', '\r'], " "))
+/// The line that writes a small text to a file.
+pub fn written(text: &str, file: &str) -> String {
+    let lines: Vec<String> = text.lines().map(|l| format!("'{}'", l.replace('\'', "'\\''"))).collect();
+    format!("mkdir -p {} && printf '%s\\n' {} > {}", quoted(folder(file)), lines.join(" "), quoted(file))
+}
+
+fn folder(file: &str) -> &str {
+    file.rsplit_once('/').map_or(".", |f| f.0)
 }
 
 #[cfg(test)]
@@ -33,6 +38,7 @@ mod tests {
     fn a_line_can_be_pasted() {
         let words = ["import", "raw/a b.csv", "--force=Load [N]", "--zero", "--out", "x"].map(str::to_owned);
         assert_eq!(line(&words), "fct import 'raw/a b.csv' --force='Load [N]' --zero --out x");
-        assert_eq!(remark("a\nfct drop x"), "# a fct drop x");
+        let text = written("name = \"o'n\"\n[geometry]\n", "a/b.toml");
+        assert_eq!(text, r#"mkdir -p a && printf '%s\n' 'name = "o'\''n"' '[geometry]' > a/b.toml"#);
     }
 }

@@ -30,6 +30,15 @@ pub struct Step {
     pub fit: Option<Fit>,
 }
 
+impl Step {
+    /// What the next step is made from: the run with what it found, or the config. The run of values that were set was told
+    /// to take no step; what follows it is to search again, from the same values.
+    pub fn source(&self) -> Option<&str> {
+        let run = self.run.as_deref().filter(|_| self.kind != "set");
+        run.or(self.config.as_deref())
+    }
+}
+
 /// What the staircase shows of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fit {

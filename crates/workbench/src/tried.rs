@@ -2,7 +2,8 @@
 
 use crate::Listener;
 use crate::events::Hub;
-use serde_json::json;
+use crate::numbers::list;
+use serde_json::{Map, Value, json};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -40,12 +41,14 @@ impl Listener for Teller {
     fn iterate(&self, p: &analysis::Progress) {
         // Every accepted step is told; trials only now and then.
         if p.iterate.accepted || self.due() {
+            let forces: Map<String, Value> =
+                p.forces.iter().map(|(test, f)| (test.clone(), list(f))).collect();
             self.hub.tell(
                 "iterate",
                 &json!({
                     "stage": p.stage.word(), "coarse": p.coarse, "iteration": p.iterate.iteration,
                     "objective": p.iterate.f, "accepted": p.iterate.accepted,
-                    "paths": p.paths, "theta": p.iterate.theta,
+                    "paths": p.paths, "theta": p.iterate.theta, "forces": forces,
                 }),
             );
         }

@@ -77,6 +77,8 @@ pub struct Progress<'a> {
     pub iterate: &'a Iterate,
     /// Paths of the free parameters of this stage.
     pub paths: &'a [String],
+    /// Forces of the model at the record's points, N, per test of the stage, where the search went there; else none.
+    pub forces: Vec<(String, Vec<f64>)>,
 }
 
 /// Who watches, and who may stop.

@@ -171,7 +171,8 @@ impl<'a> Work<'a> {
         let problem = self.trial(model, &self.theta, free, &measured.slots);
         let (progress, history) = (self.control.progress, &mut self.history);
         let mut observer = |iterate: &Iterate| {
-            progress(&Progress { stage, coarse, iterate, paths: &paths });
+            let forces = if iterate.accepted { problem.forces_at(&iterate.theta) } else { Vec::new() };
+            progress(&Progress { stage, coarse, iterate, paths: &paths, forces });
             history.push(HistoryEntry { stage, coarse, iterate: iterate.clone(), paths: paths.clone() });
             ControlFlow::Continue(())
         };

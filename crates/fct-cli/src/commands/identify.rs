@@ -9,7 +9,7 @@ use ::report::{
     Curve, Partial, Published, ReportError, RunDir, SearchLog, store_identify, store_partial, terminal,
 };
 use analysis::{AnalysisError, Control, Meter, Metered, SimulateControl};
-use input::Case;
+use input::{Case, Mode};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -20,6 +20,9 @@ pub struct Arguments {
     /// A specimen or a config
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
+    /// No search: one run at the file's values, with derivatives
+    #[arg(long)]
+    pub at_start: bool,
 }
 
 /// An identification that gave an answer.
@@ -38,6 +41,7 @@ pub struct Answered {
 /// Bad input, a search that cannot begin, a directory that cannot be written.
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
     let case = session.fitted_case(&arguments.file)?;
+    let case = if arguments.at_start { Arc::new(still(&case)) } else { case };
     let place = session.place("identify", &case);
     let progress = session.progress(&case.name);
     let done = identify(&case, &place, session, &progress, &Meter::new(true))?;
@@ -48,6 +52,16 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
         Ok(place) => outcome.at(&place),
         Err(why) => outcome.unstored(&why),
     })
+}
+
+/// The case of one run at its start values: an identification that takes no step.
+fn still(case: &Case) -> Case {
+    let mut out = case.clone();
+    (out.identify.max_iterations, out.identify.multi_start) = (0, 0);
+    (out.identify.coarse_first, out.identify.mode) = (false, Mode::Joint);
+    // Pictures of the strip are for runs that stay.
+    out.output.fields = 0;
+    out
 }
 
 /// The work of `fct identify`, for one specimen or one of a batch.

@@ -21,6 +21,7 @@ pub mod new;
 pub mod report;
 mod rungs;
 pub mod schema;
+pub mod set;
 pub mod simulate;
 mod unfinished;
 pub mod workbench;
@@ -45,6 +46,7 @@ pub fn run(command: &Command, session: &Session) -> Result<Outcome, Failure> {
         Command::Diagnose(a) => diagnose::run(&a.own, session),
         Command::Add(a) => add::run(&a.own, session),
         Command::Drop(a) => drop::run(&a.own, session),
+        Command::Set(a) => set::run(&a.own, session),
         Command::Discover(a) => discover::run(&a.own, session),
         Command::Ladder(a) => ladder::run(&a.own, session),
         Command::Batch(a) => batch::run(&a.own, session),
