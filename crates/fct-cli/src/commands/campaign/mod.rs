@@ -40,26 +40,32 @@ pub fn run(what: &What, session: &Session) -> Result<Outcome, Failure> {
     }
 }
 
+/// `1 task`, `2 tasks`.
+fn many(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
+
 fn plan(study: &Path, session: &Session) -> Result<Outcome, Failure> {
     let (plan, folder) = Plan::of(study, &session.catalogue)?;
     plan.store(&folder)?;
     let json = json!({ "schema": SCHEMA, "folder": folder.path(), "plan": plan });
     let mut text = format!(
-        "{}: {} specimens, {} models, {} tasks, planned in {}\n",
+        "{}: {}, {}, {}, planned in {}\n",
         plan.study,
-        plan.specimens.len(),
-        plan.models.len(),
-        plan.tasks.len(),
+        many(plan.specimens.len(), "specimen"),
+        many(plan.models.len(), "model"),
+        many(plan.tasks.len(), "task"),
         folder.path().display()
     );
     for specimen in &plan.specimens {
         let of = |t: &&::campaign::Task| plan.specimens[t.specimen].row == specimen.row;
         let count = plan.tasks.iter().filter(of).count();
         text.push_str(&format!(
-            "  row {}: {}, {} ({count} tasks)\n",
+            "  row {}: {}, {} ({})\n",
             specimen.row,
             specimen.name,
-            group(&specimen.group)
+            group(&specimen.group),
+            many(count, "task")
         ));
     }
     wrong_rows(&mut text, &plan);
