@@ -4,7 +4,7 @@ use crate::compare::{self, Where};
 use crate::cost::PhaseCost;
 use crate::identify::AnalysisError;
 use crate::journal::Journal;
-use crate::ladder::{FeLadder, How, NextTest};
+use crate::ladder::{Adds, FeLadder, How, NextTest};
 use crate::parsimony::OneStrength;
 use crate::problem::Cancelled;
 use diagnose::{Finding, Policy, Rung, Screen, Verdict};
@@ -106,6 +106,9 @@ pub struct DiscoverAnswer {
     pub seconds: f64,
     /// What each phase took.
     pub cost: Vec<PhaseCost>,
+    /// What each effect would add to the base model's forces; a table of its own in the run directory.
+    #[serde(skip)]
+    pub adds: Adds,
 }
 
 fn screen_rows(screen: &Screen, policy: &Policy, catalogue: &Catalogue) -> Vec<ScreenRow> {
@@ -237,6 +240,7 @@ fn answer(ladder: &FeLadder, screen: &Screen, start: Instant, policy: &Policy) -
         forward_runs: ladder.runs(),
         seconds: start.elapsed().as_secs_f64(),
         cost: Vec::new(),
+        adds: ladder.adds(screen),
     }
 }
 

@@ -40,7 +40,7 @@ pub use identify::{
     AnalysisError, Control, HistoryEntry, Identified, Progress, Stage, frees, identify, run_options,
 };
 pub use journal::{Journal, NoJournal};
-pub use ladder::{FeLadder, Fitted, How, NextTest, Tried};
+pub use ladder::{Adds, FeLadder, Fitted, How, NextTest, Tried};
 pub use needs::{Need, needs};
 pub use parsimony::{OneStrength, one_strength};
 pub use probable::{Brief, Left, PosteriorAnswer, Probable};

@@ -1,9 +1,11 @@
 // Record, model and misfit of every test.
 import { byId, el, fill, show } from "./dom.js";
+import { overlay } from "./server.js";
 import { draw } from "./plot.js";
 
 const axes = { u: "displacement, mm", t: "time, s", front: "tear front of the model, mm" };
-let axis = "u", curves = [], jacobian = null, shift = null, live = {};
+let axis = "u", curves = [], jacobian = null, shift = null, live = {}, adds = null, hovered = null, cursor = null, run = "";
+const over = new Map(), overColours = ["over1", "over2", "over3"];
 
 // The force of a test where parameters are moved by `shift` (path → change): the linear response.
 export function linear(curve, moved = shift) {
@@ -22,6 +24,46 @@ export const canMove = path => jacobian?.paths?.includes(path) ?? false;
 export function move(moved) {
   shift = moved;
   paint();
+}
+
+// What an effect would add, onto the misfit; `null`: nothing.
+export function hover(effect) {
+  hovered = effect;
+  paint();
+}
+
+export const added = (test, effect) => adds?.tests?.[test]?.[adds.paths.indexOf(effect)] ?? null;
+export const tests = () => curves;
+
+// Where the strip is drawn: travels of its pictures in the order of time, and which is shown.
+export function mark(test, at, travels) {
+  const curve = curves.find(c => c.test === test);
+  if (!curve) return;
+  let row = 0;
+  // In the order of time; of rows as near, the first after the picture before.
+  for (let k = 0; k <= at; k++) {
+    let best = row;
+    const end = k + 1 < travels.length && travels[k + 1] < travels[k] ? curve.u.indexOf(Math.max(...curve.u)) + 1 : curve.u.length;
+    for (let i = row; i < Math.max(end, row + 1); i++) if (Math.abs(curve.u[i] - travels[k]) < Math.abs(curve.u[best] - travels[k]) - 1e-9) best = i;
+    row = best;
+  }
+  cursor = { test, row };
+  paint();
+}
+
+// The curves of another step, laid over these or taken away.
+export async function lay(step, title, tell) {
+  if (over.has(step)) over.delete(step);
+  else if (over.size < overColours.length) {
+    try { over.set(step, await overlay(step)); } catch (e) { return tell(e.message); }
+  } else return tell(`At most ${overColours.length} models are laid over one another.`);
+  legend();
+  paint();
+}
+export const laid = step => over.has(step);
+
+function legend() {
+  fill(byId("overlays"), [...over.values()].map((o, k) => [el("i", { class: overColours[k] }), `${o.title} `]));
 }
 
 // What the exact run says otherwise than the linear curve did, N.
@@ -46,7 +88,9 @@ export function shown() {
 }
 
 export function set(state) {
-  [curves, jacobian, shift, live] = [state.curves, state.jacobian, null, {}];
+  [curves, jacobian, shift, live, adds] = [state.curves, state.jacobian, null, {}, state.adds];
+  if (run !== state.run) [run, cursor, hovered] = [state.run, null, null];
+  legend();
   const charts = byId("charts"), wanted = curves.map(c => c.test).join("\n");
   if (charts.dataset.tests !== wanted) {
     charts.dataset.tests = wanted;
@@ -78,13 +122,22 @@ function paintOne(figure, curve) {
   if (curve.m) series.push({ y: curve.m, kind: now ? "dash" : "line", colour: "model" });
   if (now) series.push({ y: now, kind: "line", colour: "linear" });
   else if (moved) series.push({ y: moved, kind: "dash", colour: "linear" });
+  [...over.values()].forEach((o, k) => {
+    const other = o.curves.find(c => c.test === curve.test);
+    if (other?.m?.length === x.length) series.push({ y: other.m, kind: "thin", colour: overColours[k] });
+  });
+  const here = cursor?.test === curve.test ? cursor.row : null;
+  if (here !== null) series.push({ y: x.map((_, i) => i === here ? (moved ?? curve.m ?? curve.f)[i] : null), kind: "ring", colour: "ink" });
   const [force, misfit] = figure.querySelectorAll("canvas");
   draw(force, { x, series, xlabel: label, ylabel: "force, N" });
   misfit.hidden = !curve.m && !now;
   const rest = (moved ?? curve.m)?.map((m, i) => curve.f[i] - m);
   if (rest) {
     const zero = rest.map(() => 0), band = { y: zero, kind: "band", colour: "band", half: 2 * curve.noise };
-    draw(misfit, { x, series: [band, { y: rest, kind: "dots", colour: moved ? "linear" : "model" }],
+    const more = hovered && added(curve.test, hovered);
+    figure.dataset.hovered = more ? hovered : "";
+    draw(misfit, { x, series: [band, { y: rest, kind: "dots", colour: moved ? "linear" : "model" },
+      ...more ? [{ y: more, kind: "line", colour: "accent" }] : []],
       least: [[-2 * curve.noise, 2 * curve.noise]], xlabel: label, ylabel: "misfit, N" });
     const rms = Math.sqrt(rest.reduce((s, r) => s + r * r, 0) / rest.length);
     misfit.setAttribute("aria-label", `Misfit of ${curve.test}: root mean square ${show(rms)} N, noise ${show(curve.noise)} N`);

@@ -6,8 +6,10 @@ import * as curves from "./curves.js";
 import * as missing from "./missing.js";
 import * as record from "./record.js";
 import * as sliders from "./sliders.js";
+import * as strip from "./strip.js";
 
 let now = null, busy = false, objective = [], linear = null;
+const models = new Map();
 
 const tell = text => { byId("told").textContent = text ?? ""; };
 
@@ -35,7 +37,7 @@ function render() {
   byId("name").textContent = now.specimen?.name ?? "fct workbench";
   document.title = `${now.specimen?.name ?? "fct"} – workbench`;
   lead();
-  for (const part of [record, curves, sliders, missing]) part.set(now);
+  for (const part of [record, curves, sliders, missing, strip]) part.set(now);
   model();
   kept();
   byId("undo").disabled = now.cursor === 0;
@@ -114,11 +116,24 @@ function working(is, what) {
 }
 
 function hear(event, data) {
-  if (event === "begun") { objective = []; working(true, `${data.what} …`); }
-  if (event === "note") byId("doing").textContent = data.text;
+  if (event === "begun") { objective = []; models.clear(); queued(); working(true, `${data.what} …`); }
+  if (event === "note") { byId("doing").textContent = data.text; noted(data.text); }
   if (event === "iterate") iterate(data);
   if (event === "failed") tell(data.stopped ? "Stopped." : data.message);
   if (event === "ended" || event === "state") load();
+}
+
+// A search tells of each model that it fits: `drift: iteration 3, χ² 120.5`. The newest word of each stands in the list.
+function noted(text) {
+  const parts = /^([^:]{1,80}): (.*)$/.exec(text);
+  if (!parts) return;
+  models.set(parts[1], parts[2]);
+  queued();
+}
+
+function queued() {
+  byId("queue").hidden = models.size === 0;
+  fill(byId("queue").querySelector("ul"), [...models].map(([name, word]) => el("li", {}, el("b", {}, name), `: ${word}`)));
 }
 
 function iterate(p) {
@@ -131,6 +146,13 @@ function iterate(p) {
 
 const go = by => { const step = now.cursor + by; if (step >= 0 && step < now.steps.length) ask({ do: "go", step }); };
 
+// Back to the last step whose values were found, not set by hand.
+function reset() {
+  let k = now.cursor;
+  while (k > 0 && now.steps[k].kind === "set") k--;
+  if (k !== now.cursor) ask({ do: "go", step: k }); else sliders.set(now), curves.move(null);
+}
+
 function keys(event) {
   const typing = event.target.matches("input[type=text], input[type=number], select");
   if (event.key === "Escape" && busy) ask({ do: "stop" });
@@ -140,9 +162,11 @@ function keys(event) {
 }
 
 record.begin(ask, tell);
-missing.begin(ask);
+missing.begin(ask, tell);
 sliders.begin(ask);
 curves.begin();
+strip.begin();
+byId("reset").addEventListener("click", reset);
 byId("fit").addEventListener("click", () => ask({ do: "fit" }));
 byId("stop").addEventListener("click", () => ask({ do: "stop" }));
 byId("undo").addEventListener("click", () => go(-1));

@@ -1,10 +1,12 @@
 // The staircase of the error, and what is missing.
 import { byId, el, fill, percent, show } from "./dom.js";
+import { draw } from "./plot.js";
+import * as curves from "./curves.js";
 
-let ask = () => {};
+let ask = () => {}, tell = () => {}, cards = new Map(), open = null;
 
-export function begin(send) {
-  ask = send;
+export function begin(send, teller) {
+  [ask, tell] = [send, teller];
   byId("diagnose").addEventListener("click", () => ask({ do: "diagnose" }));
   byId("discover").addEventListener("click", () => ask({ do: "discover" }));
   byId("add").addEventListener("click", () => ask({ do: "add", effect: byId("effect").value }));
@@ -19,7 +21,11 @@ function stairs(state) {
     const words = fit ? [`misfit ${show(fit.rms_N)} N`, `${percent(fit.share_of_peak)} of the peak`, `χ² ${show(fit.reduced_chi2)}`] : ["no model yet"];
     return el("li", {}, el("button", { type: "button", class: k > state.cursor ? "undone" : "", "data-step": String(k),
       "aria-current": k === state.cursor ? "step" : null, "data-rms": fit ? String(fit.rms_N) : null, onclick: () => ask({ do: "go", step: k }) },
-      bar, el("b", {}, step.title), words.map(w => el("span", {}, w))));
+      bar, el("b", {}, step.title), words.map(w => el("span", {}, w))),
+      step.run && k !== state.cursor ? el("button", { type: "button", class: "over", "data-over": String(k), "aria-pressed": String(curves.laid(k)),
+        "aria-label": `lay the curves of step ${k + 1}, ${step.title}, over the present ones`, onclick: async e => {
+          await curves.lay(k, step.title, tell); e.target.setAttribute("aria-pressed", String(curves.laid(k)));
+        } }, "overlay") : null);
   });
   fill(byId("stairs").querySelector("ol"), steps);
   byId("stairs").hidden = steps.length === 0;
@@ -39,7 +45,10 @@ function bars(state) {
     const share = Math.max(0, Math.min(1, amount(r))), bar = el("span", { class: "share", "aria-hidden": "true" }, el("span", {}));
     bar.firstChild.style.width = `${100 * share}%`;
     const told = d.posterior ? `probability ${percent(share)}` : `would take ${percent(share)} of χ²`;
-    return el("li", { class: r.significant ? "" : "faint" }, el("b", {}, r.effect), bar, el("span", { class: "muted" }, told),
+    const look = on => () => curves.hover(on ? r.effect : null);
+    return el("li", { class: r.significant ? "" : "faint", "data-effect": r.effect, onmouseenter: look(true), onmouseleave: look(false),
+      onfocusin: look(true), onfocusout: look(false) },
+      el("button", { type: "button", class: "name", title: "its card", "data-card": r.effect, onclick: () => card(r.effect) }, el("b", {}, r.effect)), bar, el("span", { class: "muted" }, told),
       el("button", { type: "button", "data-add": r.effect, onclick: () => ask({ do: "add", effect: r.effect }) }, `Add ${r.effect}`),
       el("p", {}, r.sentence, r.look_alikes.length ? ` These records cannot tell it from ${r.look_alikes.join(", ")}.` : ""));
   });
@@ -53,7 +62,38 @@ function bars(state) {
   fill(byId("words"), (d?.words ?? []).map(w => el("li", {}, w)));
 }
 
+// The card of an effect: its law, where it shows, what looks like it; its picture is what it would add to these records.
+function card(name) {
+  open = open === name ? null : name;
+  const c = cards.get(open), place = byId("card");
+  place.hidden = !c;
+  if (!c) return;
+  const rows = [["law", c.law], ["shows in", c.shows_in.join(", ")], ["looks like", c.look_alikes.join(", ")],
+    ["told apart by", c.separated_by], ["needs", c.needs.join(", ")], ["reference", c.reference]];
+  const pictures = curves.tests().filter(t => curves.added(t.test, c.name)).map(t => [t, el("canvas", { role: "img", class: "misfit",
+    "aria-label": `what ${c.name} would add to ${t.test}, on its misfit` })]);
+  fill(place, el("h3", {}, c.name), el("p", {}, c.summary),
+    pictures.map(([t, canvas]) => el("figure", {}, el("figcaption", {}, `${t.test}: misfit (dots), and what ${c.name} would add beyond the base parameters (line)`), canvas)),
+    el("dl", {}, rows.filter(r => r[1]).map(([k, v]) => [el("dt", {}, k), el("dd", {}, v)])),
+    el("button", { type: "button", onclick: () => card(open) }, "Close the card"));
+  for (const [t, canvas] of pictures) {
+    draw(canvas, { x: t.t, series: [{ y: t.f.map((f, i) => f - t.m[i]), kind: "dots", colour: "model" },
+      { y: curves.added(t.test, c.name), kind: "line", colour: "accent" }], xlabel: "time, s", ylabel: "N" });
+  }
+}
+
+function nextTest(n) {
+  byId("next").hidden = !n;
+  if (!n) return;
+  const power = Number.isFinite(n.expected_power) ? ` Expected power ${percent(n.expected_power)}.` : "";
+  byId("next").querySelector("p").textContent = `${n.proposal} It separates ${n.separates.join(" and ")}.${power} (${n.basis})`;
+}
+
 export function set(state) {
+  cards = new Map(state.effects.map(e => [e.name, e]));
+  open = null;
+  byId("card").hidden = true;
+  nextTest(state.diagnosis?.next_test);
   stairs(state);
   bars(state);
   const fitted = Boolean(state.run && state.answer), select = byId("effect"), chosen = select.value;

@@ -75,8 +75,13 @@ function series(ctx, xs, s, X, Y) {
     for (let i = 0; i < n; i++) if (s.y[i] !== null && xs[i] !== null) ctx.fillRect(X(xs[i]) - size, Y(s.y[i]) - size, 2 * size, 2 * size);
     return;
   }
+  if (s.kind === "ring") {
+    ctx.lineWidth = 2;
+    for (let i = 0; i < n; i++) if (s.y[i] !== null && xs[i] !== null) { ctx.beginPath(); ctx.arc(X(xs[i]), Y(s.y[i]), 6, 0, 7); ctx.stroke(); }
+    return;
+  }
   const half = s.kind === "band" ? Math.max(1, Math.abs(Y(s.half) - Y(0))) : 0;
-  ctx.lineWidth = s.kind === "band" ? 2 * half : 2;
+  ctx.lineWidth = s.kind === "band" ? 2 * half : s.kind === "thin" ? 1.3 : 2;
   ctx.lineJoin = "round";
   ctx.setLineDash(s.kind === "dash" ? [6, 4] : []);
   ctx.beginPath();

@@ -6,6 +6,7 @@ async function answer(response) {
 }
 
 export const state = async () => answer(await fetch("/api/state"));
+export const overlay = async step => answer(await fetch(`/api/overlay/${step}`));
 export const ask = async action => answer(await fetch("/api/do", { method: "POST", body: JSON.stringify(action) }));
 export const upload = async file =>
   (await answer(await fetch(`/api/upload?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file }))).file;

@@ -38,6 +38,7 @@ pub fn router(app: App) -> Router {
         .route("/", get(page))
         .route("/assets/{name}", get(asset))
         .route("/api/state", get(state))
+        .route("/api/overlay/{step}", get(overlay))
         .route("/api/events", get(events))
         .route("/api/do", post(ask))
         .route("/api/upload", post(upload))
@@ -90,6 +91,13 @@ fn answered(done: Result<Value, BenchError>) -> Response {
 async fn state(State(app): State<App>) -> Response {
     match aside(move || view::state(&app.bench)).await {
         Ok(state) => told(StatusCode::OK, &state),
+        Err(failed) => failed,
+    }
+}
+
+async fn overlay(State(app): State<App>, Path(step): Path<usize>) -> Response {
+    match aside(move || view::overlay(&app.bench, step)).await {
+        Ok(found) => answered(found),
         Err(failed) => failed,
     }
 }

@@ -1,7 +1,8 @@
 //! What the page shows: the present step as one JSON document.
 
+use crate::BenchError;
 use crate::bench::Bench;
-use crate::numbers::{jacobian, list, short};
+use crate::numbers::{adds, jacobian, list, short};
 use crate::steps::Steps;
 use input::Case;
 use model::{Discretisation, Model};
@@ -51,7 +52,8 @@ pub fn state(bench: &Bench) -> Value {
         "import": import(bench, &steps), "raw": raw(bench),
         "specimen": case.as_deref().map(specimen), "parameters": parameters,
         "answer": answer.as_ref().map(told), "curves": curves(case.as_deref(), run.as_ref()),
-        "jacobian": run.as_ref().map_or(Value::Null, jacobian),
+        "jacobian": run.as_ref().map_or(Value::Null, jacobian), "adds": run.as_ref().map_or(Value::Null, adds),
+        "fields": run.as_ref().map_or(Vec::new(), |r| fields(r)),
         "effects": catalogue(bench),
         "diagnosis": run.as_ref().and_then(|r| r.diagnosis().ok().flatten()),
         "config": present.config, "run": present.run,
@@ -63,8 +65,36 @@ fn catalogue(bench: &Bench) -> Vec<Value> {
         .catalogue
         .iter()
         .map(|e| e.card())
-        .map(|c| json!({ "name": c.name, "summary": c.summary }))
+        .map(|c| {
+            json!({ "name": c.name, "summary": c.summary, "site": c.site.word(), "law": c.law,
+                "shows_in": c.shows_in, "look_alikes": c.look_alikes, "separated_by": c.separated_by,
+                "needs": c.needs, "reference": c.reference })
+        })
         .collect()
+}
+
+/// Pictures of the strip that a run keeps: files of its folder, by name.
+fn fields(run: &StoredRun) -> Vec<String> {
+    let entries = std::fs::read_dir(run.path.join("fields")).into_iter().flatten().flatten();
+    let mut out: Vec<String> = entries.filter_map(|e| e.file_name().to_str().map(str::to_owned)).collect();
+    out.retain(|name| name.ends_with(".vtu"));
+    out.sort();
+    out
+}
+
+/// The model's curves at another step, to be laid over the present ones.
+///
+/// # Errors
+/// If there is no such step, or its run is gone.
+pub fn overlay(bench: &Bench, step: usize) -> Result<Value, BenchError> {
+    let none = || BenchError::Asked(format!("step {step} has no model to show"));
+    let (run, title) = {
+        let steps = bench.steps();
+        let step = steps.steps.get(step).ok_or_else(none)?;
+        (step.run.clone().ok_or_else(none)?, step.title.clone())
+    };
+    let run = StoredRun::read(&bench.path(&run)).map_err(|e| BenchError::Asked(e.to_string()))?;
+    Ok(json!({ "step": step, "title": title, "curves": curves(None, Some(&run)) }))
 }
 
 fn shown(steps: &Steps) -> Value {

@@ -4,6 +4,7 @@
 //! fit (defect correction, repeated until it stands); the same difference tells the numerical error
 //! that every χ², test and interval carries.
 
+mod adds;
 mod begin;
 mod fit;
 mod forms;
@@ -11,6 +12,7 @@ pub(crate) mod next_test;
 mod rung;
 mod search;
 
+pub use adds::Adds;
 pub use next_test::{NextTest, Tried};
 
 use crate::columns::Base;

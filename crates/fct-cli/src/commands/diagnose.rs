@@ -3,6 +3,7 @@
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
 use ::report::{ReportError, StoredRun, amend, html, terminal};
+use analysis::Adds;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -30,15 +31,28 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     if !arguments.run.is_dir() {
         return Ok(outcome);
     }
-    Ok(match store(&arguments.run, &outcome.json) {
+    Ok(match store(&arguments.run, &outcome.json, &table(&answer.adds)) {
         Ok(()) => outcome,
         Err(why) => outcome.unstored(&why),
     })
 }
 
 /// Adds the diagnosis to the run, and makes its page anew: it answers what is missing as soon as that is known.
-fn store(place: &Path, diagnosis: &Value) -> Result<(), ReportError> {
-    amend(place, &[("diagnosis.json", format!("{diagnosis:#}\n").as_bytes())])?;
+fn store(place: &Path, diagnosis: &Value, adds: &str) -> Result<(), ReportError> {
+    let diagnosis = format!("{diagnosis:#}\n");
+    amend(place, &[("diagnosis.json", diagnosis.as_bytes()), ("adds.csv", adds.as_bytes())])?;
     let page = html::page(&StoredRun::read(place)?, place)?;
     amend(place, &[("report.html", page.as_bytes())])
+}
+
+/// What each effect would add to the forces, N: a line per point, a column per effect.
+fn table(adds: &Adds) -> String {
+    let mut out = format!("test,row,{}\n", adds.effects.join(","));
+    for (test, columns) in &adds.tests {
+        for row in 0..columns.first().map_or(0, Vec::len) {
+            let numbers: Vec<String> = columns.iter().map(|c| format!("{:e}", c[row])).collect();
+            out.push_str(&format!("{test},{row},{}\n", numbers.join(",")));
+        }
+    }
+    out
 }

@@ -1,5 +1,7 @@
 //! All tests of `fct-cli` from outside, in one program: each of its own would be linked anew.
 
+#[path = "common/accessible.rs"]
+mod accessible;
 mod answers;
 mod bad_input;
 mod beam;

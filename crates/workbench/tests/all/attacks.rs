@@ -5,10 +5,11 @@ use std::net::{Ipv4Addr, SocketAddr, TcpStream, UdpSocket};
 use std::time::Duration;
 
 /// Every route, one of a kind.
-const ROUTES: [&str; 7] = [
+const ROUTES: [&str; 8] = [
     "GET /",
     "GET /assets/main.js",
     "GET /api/state",
+    "GET /api/overlay/0",
     "GET /api/events",
     "POST /api/do",
     "POST /api/upload?name=a.csv",
