@@ -12,6 +12,11 @@ test:
 ci:
     ./.ci/run
 
+# Whole fits that are too long for every change: each effect found again beside an unknown base, a start from which the record
+# cannot be followed, long records with jitter, the power that `fct design` promises. Five minutes.
+slow:
+    cargo test --workspace -- --ignored beside_an_unknown_base is_mended rows_and_jitter noisy_repeats_confirm
+
 # The slow checks of docs/verification.md, with their figures.
 verification:
     cargo test --release -p fem -- --ignored --nocapture

@@ -53,7 +53,7 @@ pub fn state(bench: &Bench) -> Value {
         "specimen": case.as_deref().map(specimen), "parameters": parameters,
         "answer": answer.as_ref().map(told), "curves": curves(case.as_deref(), run.as_ref()),
         "jacobian": run.as_ref().map_or(Value::Null, jacobian), "adds": run.as_ref().map_or(Value::Null, adds),
-        "fields": run.as_ref().map_or(Vec::new(), |r| fields(r)),
+        "fields": run.as_ref().map_or(Vec::new(), fields),
         "effects": catalogue(bench),
         "diagnosis": run.as_ref().and_then(|r| r.diagnosis().ok().flatten()),
         "config": present.config, "run": present.run,

@@ -129,6 +129,7 @@ fn difference(r: &Repeated) -> f64 {
 }
 
 #[test]
+#[ignore = "slow: run by `just slow`"]
 fn noisy_repeats_confirm_the_promised_power() {
     with_proposal(|full, _| {
         let foreseen = full.foreseen().expect("a foresight");

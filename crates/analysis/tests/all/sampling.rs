@@ -127,6 +127,7 @@ fn same(clean: &Identified, long: &Identified, what: &str) {
 }
 
 #[test]
+#[ignore = "slow: run by `just slow`"]
 fn rows_and_jitter_change_neither_values_nor_cost() {
     let folder = tempfile::tempdir().expect("a folder");
     let truth = truth(folder.path());

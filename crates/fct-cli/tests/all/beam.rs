@@ -39,6 +39,7 @@ sigma_c_MPa = {sigma_c}
 }
 
 #[test]
+#[ignore = "slow: run by `just slow`"]
 fn a_start_from_which_the_record_cannot_be_followed_is_mended() -> Tested {
     let protocol = "protocol = [{ to_mm = 4.0, rate_mm_per_s = 0.05 }]";
     let output = "[solver]\nstep_mm = 0.05\n[output]\nnoise = 0.01\nseed = 3\n";

@@ -228,48 +228,6 @@ fn again(page: &mut Page, folder: &Path) -> Tested {
     present(page, "+ compliance", SOON)
 }
 
-/// The page's commands, pasted into a shell elsewhere beside what was dropped and typed, give the page's numbers to the bit.
-fn in_a_shell(commands: &str, folder: &Path) -> Tested {
-    let elsewhere = tempfile::tempdir()?;
-    let (from, to) = (folder.join("workbench"), elsewhere.path().join("workbench"));
-    fs::create_dir_all(to.join("raw"))?;
-    for (part, ends) in [("raw", &[".csv"][..]), ("", &["-geometry.toml", "-set.toml"][..])] {
-        for file in fs::read_dir(from.join(part))? {
-            let name = file?.file_name().to_string_lossy().into_owned();
-            if ends.iter().any(|end| name.ends_with(end)) {
-                fs::copy(from.join(part).join(&name), to.join(part).join(&name))?;
-            }
-        }
-    }
-    let lines: Vec<&str> = commands.lines().skip(1).collect();
-    let last = lines.iter().rev().find(|l| l.starts_with("fct identify")).ok_or("a fit")?;
-    let run = last.rsplit(' ').next().ok_or("a run")?;
-    let program = Path::new(env!("CARGO_BIN_EXE_fct"));
-    let path = std::env::join_paths(
-        std::iter::once(program.parent().ok_or("a folder")?.to_owned())
-            .chain(std::env::split_paths(&std::env::var_os("PATH").unwrap_or_default())),
-    )?;
-    let out = Command::new("sh")
-        .args(["-e", "-c", &lines.join("\n")])
-        .current_dir(elsewhere.path())
-        .env("PATH", path)
-        .output()?;
-    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
-    let summary = |at: &Path| -> Result<Value, Box<dyn Error>> {
-        Ok(common::timeless(serde_json::from_slice(&fs::read(at.join(run).join("summary.json"))?)?))
-    };
-    let (theirs, ours) = (summary(elsewhere.path())?, summary(folder)?);
-    // `run` has the folder's path, and `--json`, which the page adds.
-    for (key, value) in ours.as_object().ok_or("an answer")?.iter().filter(|(k, _)| *k != "run") {
-        assert_eq!(&theirs[key], value, "{run}: {key}");
-    }
-    for test in ["uniaxial", "tearing"] {
-        let curve = |at: &Path| fs::read(at.join(run).join(format!("curves/{test}.csv")));
-        assert_eq!(curve(elsewhere.path())?, curve(folder)?, "{test}");
-    }
-    Ok(())
-}
-
 /// Nothing is wider than its window; everything that is pressed has a name; labels of fields are theirs.
 fn looks(page: &mut Page) -> Tested {
     page.ask("scrollTo(0, 0)")?;
