@@ -94,7 +94,7 @@ export function set(state) {
   const charts = byId("charts"), wanted = curves.map(c => c.test).join("\n");
   if (charts.dataset.tests !== wanted) {
     charts.dataset.tests = wanted;
-    fill(charts, curves.map(c => el("figure", { "data-test": c.test },
+    fill(charts, curves.map(c => el("figure", { "data-test": c.test, "aria-label": c.test },
       el("figcaption", {}, c.test),
       el("canvas", { class: "force", role: "img" }),
       el("canvas", { class: "misfit", role: "img" }))));

@@ -73,7 +73,7 @@ function card(name) {
   const pictures = curves.tests().filter(t => curves.added(t.test, c.name)).map(t => [t, el("canvas", { role: "img", class: "misfit",
     "aria-label": `what ${c.name} would add to ${t.test}, on its misfit` })]);
   fill(place, el("h3", {}, c.name), el("p", {}, c.summary),
-    pictures.map(([t, canvas]) => el("figure", {}, el("figcaption", {}, `${t.test}: misfit (dots), and what ${c.name} would add beyond the base parameters (line)`), canvas)),
+    pictures.map(([t, canvas]) => el("figure", { "aria-label": t.test }, el("figcaption", {}, `${t.test}: misfit (dots), and what ${c.name} would add beyond the base parameters (line)`), canvas)),
     el("dl", {}, rows.filter(r => r[1]).map(([k, v]) => [el("dt", {}, k), el("dd", {}, v)])),
     el("button", { type: "button", onclick: () => card(open) }, "Close the card"));
   for (const [t, canvas] of pictures) {

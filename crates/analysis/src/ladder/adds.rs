@@ -20,7 +20,10 @@ impl FeLadder<'_> {
     pub fn adds(&self, screen: &Screen) -> Adds {
         let Some(base) = self.rungs.get(&Vec::new()) else { return Adds::default() };
         let weights = self.weights();
-        let imitate = base.fit.prediction.jacobian.as_ref().map(|j| weighted(j, &weights).svd(true, true));
+        // What stands at a bound does not move, in the screen as here.
+        let open: Vec<usize> = (0..base.fit.at_bound.len()).filter(|&k| !base.fit.at_bound[k]).collect();
+        let moves = base.fit.prediction.jacobian.as_ref().map(|j| j.select_columns(&open));
+        let imitate = moves.as_ref().map(|j| weighted(j, &weights).svd(true, true));
         let mut out = Adds::default();
         let mut all: Vec<DVector<f64>> = Vec::new();
         for finding in &screen.findings {
@@ -32,7 +35,7 @@ impl FeLadder<'_> {
                 continue;
             }
             let mut own = &shape.columns * amplitudes;
-            if let (Some(svd), Some(j)) = (&imitate, &base.fit.prediction.jacobian)
+            if let (Some(svd), Some(j)) = (&imitate, &moves)
                 && let Ok(step) = svd.solve(&own.component_mul(&weights), 1e-10 * svd.singular_values.max())
             {
                 own -= j * step;

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use std::error::Error;
 
 /// Roles that a screen reader announces by name, and says nothing of where they have none.
-const NAMED: [&str; 16] = [
+const NAMED: [&str; 15] = [
     "button",
     "link",
     "checkbox",
@@ -19,7 +19,6 @@ const NAMED: [&str; 16] = [
     "image",
     "img",
     "canvas",
-    "group",
     "DisclosureTriangle",
     "figure",
 ];
@@ -58,6 +57,7 @@ const STRUCTURE: &str = r#"(() => {
   if (document.querySelectorAll('main').length !== 1 || document.querySelectorAll('h1').length !== 1) bad.push('one main, one h1');
   if (!document.documentElement.lang || !document.title) bad.push('language and title');
   if (document.documentElement.scrollWidth > innerWidth) bad.push(`wider than the window: ${document.documentElement.scrollWidth}`);
+  for (const e of document.querySelectorAll('[role=group]:not([aria-label], [aria-labelledby]), fieldset:not(:has(legend))')) bad.push(`no name: ${e.outerHTML.slice(0, 80)}`);
   for (const e of document.querySelectorAll('[tabindex]')) if (e.tabIndex > 0) bad.push(`order of its own: ${e.outerHTML.slice(0, 80)}`);
   for (const e of document.querySelectorAll('[aria-labelledby], [aria-describedby], label[for]')) {
     const names = `${e.getAttribute('aria-labelledby') ?? ''} ${e.getAttribute('aria-describedby') ?? ''} ${e.getAttribute('for') ?? ''}`;
