@@ -146,6 +146,11 @@ design-power:
 long-records:
     cargo test --workspace --test all sampling:: -- --ignored --nocapture
 
+# A study as a Slurm array on one node, by Debian's package (installed if need be; root), against the serial run. Five minutes.
+slurm:
+    cargo build --workspace
+    tests/slurm.sh target/debug/fct
+
 # The Python package built into target/venv, and its tests; with Dask, scipy and statsmodels where pip can install them.
 python:
     #!/usr/bin/env bash

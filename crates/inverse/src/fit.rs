@@ -36,8 +36,8 @@ enum Failure {
     Fatal(FitError),
 }
 
-struct Search<'a, P: Problem + ?Sized> {
-    problem: &'a P,
+struct Search<'a> {
+    problem: &'a dyn Problem,
     data: &'a Data,
     free: &'a [Free],
     options: &'a FitOptions,
@@ -53,8 +53,8 @@ struct Search<'a, P: Problem + ?Sized> {
 /// # Errors
 /// [`FitError`] when the description is faulty or the model cannot be computed at the start. A model
 /// that fails later only shortens the step.
-pub fn fit<P: Problem + ?Sized>(
-    problem: &P,
+pub fn fit(
+    problem: &dyn Problem,
     data: &Data,
     free: &[Free],
     options: &FitOptions,
@@ -72,7 +72,7 @@ pub fn fit<P: Problem + ?Sized>(
 /// Trials of one step that may promise next to nothing.
 const FEW_TRIALS: usize = 5;
 
-impl<P: Problem + ?Sized> Search<'_, P> {
+impl Search<'_> {
     fn run(&mut self, observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>) -> Result<Fit, FitError> {
         let z0 = DVector::from_iterator(self.free.len(), self.free.iter().map(|f| f.forward(f.start)));
         let mut state = match self.evaluate(z0, true) {

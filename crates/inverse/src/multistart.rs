@@ -92,8 +92,8 @@ fn place(f: &Free, u: f64, spread: Spread) -> f64 {
 ///
 /// # Errors
 /// The first start's error when none could be fitted.
-pub fn multi_start<P: Problem + ?Sized>(
-    problem: &P,
+pub fn multi_start(
+    problem: &dyn Problem,
     data: &Data,
     free: &[Free],
     options: &FitOptions,

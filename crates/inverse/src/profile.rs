@@ -4,14 +4,14 @@ use crate::{Data, Fit, FitError, FitOptions, Free, PredictError, Prediction, Pro
 use std::ops::ControlFlow;
 
 /// A problem with some of its parameters held.
-pub struct Fixed<'a, P: Problem + ?Sized> {
-    problem: &'a P,
+pub struct Fixed<'a> {
+    problem: &'a dyn Problem,
     held: Vec<Option<f64>>,
 }
 
-impl<'a, P: Problem + ?Sized> Fixed<'a, P> {
+impl<'a> Fixed<'a> {
     /// `held[k]` is the value of parameter k where it is held, `None` where it stays free.
-    pub fn new(problem: &'a P, held: Vec<Option<f64>>) -> Self {
+    pub fn new(problem: &'a dyn Problem, held: Vec<Option<f64>>) -> Self {
         Self { problem, held }
     }
 
@@ -22,7 +22,7 @@ impl<'a, P: Problem + ?Sized> Fixed<'a, P> {
     }
 }
 
-impl<P: Problem + ?Sized> Problem for Fixed<'_, P> {
+impl Problem for Fixed<'_> {
     fn predict(&self, theta: &[f64], jacobian: bool) -> Result<Prediction, PredictError> {
         let mut answer = self.problem.predict(&self.whole(theta), jacobian)?;
         let open: Vec<usize> = (0..self.held.len()).filter(|&k| self.held[k].is_none()).collect();
@@ -47,8 +47,8 @@ pub struct ProfilePoint {
 ///
 /// # Errors
 /// [`FitError::Parameter`] for an index that does not exist; faults of data and parameters.
-pub fn profile<P: Problem + ?Sized>(
-    problem: &P,
+pub fn profile(
+    problem: &dyn Problem,
     data: &Data,
     free: &[Free],
     optimum: &Fit,
@@ -78,8 +78,8 @@ pub fn profile<P: Problem + ?Sized>(
     Ok(points)
 }
 
-fn one<P: Problem + ?Sized>(
-    problem: &P,
+fn one(
+    problem: &dyn Problem,
     data: &Data,
     free: &[Free],
     from: &[f64],

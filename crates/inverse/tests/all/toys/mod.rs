@@ -37,10 +37,10 @@ pub fn data(values: &DVector<f64>, noise: NoiseModel) -> Data {
     Data::from_parts([("y".to_owned(), values.iter().copied().collect(), noise)]).expect("good data")
 }
 
-pub fn quiet<P: Problem + ?Sized>(problem: &P, data: &Data, free: &[Free], options: &FitOptions) -> Fit {
+pub fn quiet(problem: &dyn Problem, data: &Data, free: &[Free], options: &FitOptions) -> Fit {
     fit(problem, data, free, options, &mut |_| ControlFlow::Continue(())).expect("a fit")
 }
 
-pub fn truth<P: Problem>(problem: &P, theta: &[f64]) -> DVector<f64> {
+pub fn truth(problem: &dyn Problem, theta: &[f64]) -> DVector<f64> {
     problem.predict(theta, false).expect("a prediction").values
 }
