@@ -6,7 +6,7 @@
 
 use crate::priors;
 use constitutive::{Context, Law, PointLaw, StartGrid};
-use input::{Case, TestKind};
+use input::Case;
 use inverse::Free;
 use model::Model;
 use rayon::prelude::*;
@@ -58,8 +58,7 @@ pub(crate) fn tissues(model: &Model, case: &Case, frees: &[Free], theta: &[f64])
 /// (stretch, nominal stress in MPa) of the first uniaxial record, thinned.
 fn points(case: &Case) -> Vec<(f64, f64)> {
     let g = &case.geometry;
-    let uniaxial = |t: &&input::Test| t.kind == TestKind::Uniaxial;
-    let Some(record) = case.tests.iter().filter(uniaxial).find_map(|t| t.record.as_ref()) else {
+    let Some(record) = case.tests.iter().filter(|t| t.kind.free_strip).find_map(|t| t.record.as_ref()) else {
         return Vec::new();
     };
     let n = record.force.len();

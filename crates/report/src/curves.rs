@@ -121,10 +121,7 @@ fn segments(record: &Record, kind: TestKind) -> Vec<String> {
     if let Some(given) = &record.segment {
         return given.clone();
     }
-    let kind = match kind {
-        TestKind::Uniaxial => RecordKind::Intact,
-        TestKind::Tearing => RecordKind::Tearing,
-    };
+    let kind = if kind.tears { RecordKind::Tearing } else { RecordKind::Intact };
     let mut out = vec![String::new(); record.len()];
     for s in cut(&record.time, &record.displacement, &record.force, kind) {
         for name in &mut out[s.range] {
