@@ -14,15 +14,19 @@
 mod estimate;
 mod experiment;
 mod flat;
+mod pure_shear;
 mod registry;
 mod supports;
+mod t_peel;
 mod tearing;
 mod uniaxial;
 
-pub use estimate::{from_area, nothing};
+pub use estimate::{from_area, nothing, over_the_torn_area, untold};
 pub use experiment::{Experiment, Sample, Setting, SupportFault, Supports};
 pub use flat::flat_strip;
+pub use pure_shear::PureShear;
 pub use registry::{Experiments, registry};
 pub use supports::{Held, across_the_ends, at_the_mouth};
+pub use t_peel::TPeel;
 pub use tearing::Tearing;
 pub use uniaxial::Uniaxial;

@@ -1,6 +1,6 @@
 //! The list of all experiments: one line each.
 
-use crate::{Experiment, Tearing, Uniaxial};
+use crate::{Experiment, PureShear, TPeel, Tearing, Uniaxial};
 use input::{ExperimentRegistry, TestKind};
 use std::sync::Arc;
 
@@ -9,6 +9,8 @@ pub fn registry() -> Experiments {
     Experiments::default()
         .with(Arc::new(Uniaxial))
         .with(Arc::new(Tearing))
+        .with(Arc::new(TPeel))
+        .with(Arc::new(PureShear))
 }
 
 /// Experiments that can be asked by name.

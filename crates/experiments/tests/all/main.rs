@@ -1,0 +1,5 @@
+//! Experiments against the closed forms of their steady states.
+
+mod common;
+mod peel;
+mod shear;
