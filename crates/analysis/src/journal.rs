@@ -161,7 +161,7 @@ impl Asked<'_> {
             p.theta,
             p.free,
             p.options,
-            p.correction.as_slice(),
+            p.correction,
             self.free,
             self.options,
             self.how,

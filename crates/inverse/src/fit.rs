@@ -10,7 +10,9 @@ use crate::linalg::Reduced;
 use crate::reach::Reach;
 use crate::step::{StepBox, bounded_step, length, moves};
 use crate::whiten::{Whitened, Whitener};
-use crate::{Data, Fit, FitError, FitOptions, Free, Iterate, PredictError, Prediction, Problem, StopReason};
+use crate::{
+    Data, Fit, FitError, FitOptions, Free, Iterate, Objective, PredictError, Prediction, Problem, StopReason,
+};
 use nalgebra::DVector;
 use std::ops::ControlFlow;
 
@@ -69,6 +71,24 @@ pub fn fit(
     search.run(observer)
 }
 
+/// All points' misfit and the priors' rows.
+fn sum(map: &Whitener, data: &Data, prediction: &Prediction, whitened: &Whitened) -> f64 {
+    let priors = whitened.r.rows(whitened.rows.len(), whitened.prior_rows).norm_squared();
+    map.apply(&data.misfit(&prediction.values)).norm_squared() + priors
+}
+
+/// The objective at a prediction.
+pub(crate) fn objective(
+    data: &Data,
+    free: &[Free],
+    theta: &[f64],
+    prediction: &Prediction,
+    objective: Objective,
+) -> f64 {
+    let whitened = Whitened::new(data, free, theta, prediction, objective.noise());
+    sum(&Whitener::new(data, None, objective.noise()), data, prediction, &whitened)
+}
+
 /// Trials of one step that may promise next to nothing.
 const FEW_TRIALS: usize = 5;
 
@@ -108,7 +128,7 @@ impl Search<'_> {
                 }
             };
             let change = (state.f - next.f) / state.f;
-            let told = (state.f - next.f) / self.unit();
+            let told = (state.f - next.f) / self.options.unit(self.data);
             last = state.system.take().map(|s| Last { dz: &next.z - &state.z, whitened: s.whitened });
             state = next;
             idle = if told < self.options.insignificant { idle + 1 } else { 0 };
@@ -130,16 +150,6 @@ impl Search<'_> {
         let n = self.options.max_iterations;
         let reason = if state.f <= zero { StopReason::Exact } else { StopReason::MaxIterations };
         Ok(self.finish(state, n, reason))
-    }
-
-    /// The objective that one unit of χ² stands for.
-    fn unit(&self) -> f64 {
-        match self.options.objective {
-            crate::Objective::Whitened | crate::Objective::Record => 1.0,
-            crate::Objective::PaperSum => {
-                self.data.blocks.iter().map(|b| b.noise.sd.powi(2)).fold(f64::INFINITY, f64::min)
-            }
-        }
     }
 
     /// Relative fall that an almost undamped step promises.
@@ -254,11 +264,9 @@ impl Search<'_> {
         if prediction.jacobian.as_ref().is_some_and(|j| j.iter().any(|v| !v.is_finite())) {
             return Err(not_finite("jacobian"));
         }
-        let data_part = self.objective_map.apply(&self.data.misfit(&prediction.values)).norm_squared();
         let whitened =
             Whitened::new(self.data, self.free, &theta, &prediction, self.options.objective.noise());
-        let m = whitened.rows.len();
-        let prior_part = whitened.r.rows(m, whitened.prior_rows).norm_squared();
+        let f = sum(&self.objective_map, self.data, &prediction, &whitened);
         let system = prediction.jacobian.is_some().then(|| {
             let d = DVector::from_iterator(
                 theta.len(),
@@ -269,7 +277,7 @@ impl Search<'_> {
             );
             System { reduced: Reduced::new(&whitened.jacobian, &whitened.r), scale: d, whitened }
         });
-        Ok(State { z, theta, f: data_part + prior_part, prediction, system })
+        Ok(State { z, theta, f, prediction, system })
     }
 
     fn record(

@@ -1,7 +1,7 @@
 //! How a fit is asked for, and what comes back.
 
 use crate::whiten::Noise;
-use crate::{DataError, PredictError, Prediction};
+use crate::{Data, DataError, PredictError, Prediction};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -61,6 +61,18 @@ impl Default for FitOptions {
             initial_damping: 1e-3,
             max_step: 1.5,
             jacobian_with_trial: true,
+        }
+    }
+}
+
+impl FitOptions {
+    /// The objective that one unit of χ² stands for.
+    pub(crate) fn unit(&self, data: &Data) -> f64 {
+        match self.objective {
+            Objective::Whitened | Objective::Record => 1.0,
+            Objective::PaperSum => {
+                data.blocks.iter().map(|b| b.noise.sd.powi(2)).fold(f64::INFINITY, f64::min)
+            }
         }
     }
 }

@@ -3,6 +3,7 @@
 
 mod finish;
 mod intervals;
+mod nearby;
 mod rest;
 mod search;
 mod work;
@@ -181,16 +182,19 @@ pub fn identify(
     let wanted = fine.recorded();
     let measured = Measured::of(&fine, &wanted)?;
     let mut work = Work::new(&case, fine.theta(), options, control);
+    work.search = work::fewer_steps(options);
     let mut list = stages(&fine, case.identify.mode);
     if list.is_empty() {
         return Err(AnalysisError::Case("no parameter is free".into()));
     }
-    let search = Search { case: &case, catalogue, fine: &fine, coarse: coarse.as_ref() };
+    let cheaper = cheap_model(&case, catalogue)?;
+    let cheap = cheaper.as_ref().or(coarse.as_ref());
+    let search = Search { case: &case, catalogue, fine: &fine, coarse: coarse.as_ref(), cheap };
     search.run(&mut work, &list)?;
     if case.identify.release_bulk && staged(&list) && work.tear_left.unexplained() {
         list.extend(search.release(&mut work));
     }
-    work.finish(fine, coarse, measured, &list, catalogue)
+    work.finish(fine, (coarse, cheaper), measured, &list, catalogue)
 }
 
 /// A case on a mesh about twice as coarse: half the divisions, where the file gives them; otherwise its sizes are coarsened
@@ -203,6 +207,23 @@ pub(crate) fn coarser(case: &Case) -> (Case, Discretisation) {
     }
     let coarsen = if coarse.mesh == case.mesh { 2.0 } else { 1.0 };
     (coarse, Discretisation { coarsen, ..Discretisation::default() })
+}
+
+/// How much coarser than the given mesh the one is that the search takes its steps on, where the file gives sizes.
+const CHEAP: f64 = 3.0;
+
+/// The same model on the mesh that the search takes its steps on; `None` where the file gives divisions, or the strip is too
+/// small.
+fn cheap_model(case: &Arc<Case>, catalogue: &Catalogue) -> Result<Option<Model>, AnalysisError> {
+    if case.mesh.divisions.is_some() {
+        return Ok(None);
+    }
+    let how = Discretisation { coarsen: CHEAP, ..Discretisation::default() };
+    match Model::new(case.clone(), catalogue, how) {
+        Ok(m) => Ok(Some(m)),
+        Err(BuildError::Mesh { .. }) => Ok(None),
+        Err(e) => Err(e.into()),
+    }
 }
 
 /// The same model on a mesh twice as coarse; `None` where the file gives divisions that cannot be

@@ -5,6 +5,7 @@ mod averages;
 mod coverage;
 mod fitting;
 mod line;
+mod mapped;
 mod search_by_hand;
 mod starts_and_words;
 mod toys;
