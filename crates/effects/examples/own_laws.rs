@@ -76,7 +76,8 @@ const RISE: usize = cohesive::PARAMETERS;
 static PARABOLIC: LawCard = LawCard {
     name: "parabolic",
     summary: "A straight rise to σc, then a fall that starts flat and ends steep: brittle at the end.",
-    equation: "t = σc δ/δc to δc = r δf, then σc (1 − y²), y = (δ − δc)/(δf − δc);  δf = Gc/(σc (2/3 − r/6))",
+    equation: "t = σc δ/δc to δc = r δf, then σc (1 − y²), y = (δ − δc)/(δf − δc);  \
+               δf = Gc/(σc (2/3 − r/6))",
     reference: "an example: the area under it is Gc by construction",
 };
 

@@ -47,7 +47,7 @@ impl<const G: usize> Call<'_, f64, G> {
         self.inner.energies(self.ctx, gradient, params, self.inner_old, new)
     }
 
-    /// Hand tangent of the inner law at another gradient or other parameters.
+    /// Analytic tangent of the inner law at another gradient or other parameters.
     pub fn inner_tangent(&self, gradient: &[f64; G], params: &[f64], new: &mut [f64]) -> Option<Tangent<G>> {
         self.inner.analytic_tangent(self.ctx, gradient, params, self.inner_old, new)
     }

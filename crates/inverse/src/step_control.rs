@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_is_worth_its_promise_less_what_the_fourth_power_takes() {
+    fn a_step_is_worth_its_prediction_less_what_the_fourth_power_takes() {
         let mut control = StepControl::new(1.0);
         // A step of length 1 predicted 2 and gave 1: q = 1, and x of 4 x − x² − 0.3 x⁴ is largest where 4 − 2 x = 1.2 x³.
         control.learn(2.0, Some(1.0), 1.0);

@@ -313,7 +313,7 @@ fn sensitivities_behind_a_jump() {
 }
 
 /// Along a followed path actuator and force both depend on θ: what the arc step gives, reduced to a
-/// standing actuator, is what displacement control gives there.
+/// held actuator, is what displacement control gives there.
 #[test]
 fn sensitivities_along_a_followed_path() {
     let t = Tissue::peers(1.0, 0.2).theta(1);

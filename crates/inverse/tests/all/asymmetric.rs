@@ -100,7 +100,7 @@ fn an_arm_takes_the_mean_error_along_it_and_none_gets_shorter() {
 
 /// y = a and y = 2 (a + b): sd of a is σ, of b √1.25 σ, their correlation −1/√1.25. A parameter takes part as far as it loads.
 #[test]
-fn arms_share_what_a_combination_says() {
+fn sides_share_what_a_combination_says() {
     let pair = |i: usize, p: &[f64]| {
         if i == 0 { (p[0], vec![1.0, 0.0]) } else { (2.0 * (p[0] + p[1]), vec![2.0, 2.0]) }
     };
@@ -160,7 +160,7 @@ fn what_is_unknown_follows() {
 
 /// The standard error of b in y = ln(1 + b) grows with b: estimates that came out small are too sure of themselves.
 #[test]
-fn arms_hold_what_straight_intervals_lose() {
+fn asymmetric_intervals_hold_what_straight_ones_lose() {
     let toy = Toy(4, |_, p: &[f64]| ((1.0 + p[0]).ln(), vec![1.0 / (1.0 + p[0])]));
     let free = vec![Free::new("b", (-0.95, 20.0), Transform::Identity, 1.0)];
     let (mut straight, mut held) = (0, 0);

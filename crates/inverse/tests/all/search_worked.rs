@@ -125,7 +125,7 @@ impl Problem for Wrong {
 }
 
 #[test]
-fn a_model_that_breaks_its_promise_is_told_which() {
+fn a_model_that_breaks_its_contract_is_told_which() {
     let d = data(&DVector::zeros(5), NoiseModel::white(1.0));
     let said = |n: usize, jacobian: Option<(usize, usize)>, valid: Option<usize>| {
         let watch: &mut dyn FnMut(&Iterate) -> ControlFlow<()> = &mut |_| ControlFlow::Continue(());
