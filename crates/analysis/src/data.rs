@@ -59,7 +59,7 @@ impl Measured {
         Self::with(model, wanted, false)
     }
 
-    /// The same with the noise a sceptic would assume: correlated as much as the record allows. A
+    /// The same with conservative noise: correlated as much as the record allows. A
     /// screen that trusts white noise too easily finds effects in what is only slow noise.
     ///
     /// # Errors
@@ -68,7 +68,7 @@ impl Measured {
         Self::with(model, wanted, true)
     }
 
-    /// The same with the noise as estimated instead of a sceptic's; numerical error stays.
+    /// The same with the noise as estimated instead of the conservative one; numerical error stays.
     ///
     /// # Errors
     /// As [`Measured::of`].
@@ -81,7 +81,7 @@ impl Measured {
         Ok(out)
     }
 
-    fn with(model: &Model, wanted: &[bool], cautious: bool) -> Result<Self, RecordError> {
+    fn with(model: &Model, wanted: &[bool], conservative: bool) -> Result<Self, RecordError> {
         let mut parts = Vec::new();
         let mut slots = Vec::new();
         for (t, test) in model.tests.iter().enumerate() {
@@ -93,7 +93,7 @@ impl Measured {
                 }
                 let rows: Vec<usize> = measured.iter().map(|m| m.0).collect();
                 let values: Vec<f64> = measured.iter().map(|m| m.1).collect();
-                let noise = noise_of(model, t, channel, &rows, &values, cautious)?;
+                let noise = noise_of(model, t, channel, &rows, &values, conservative)?;
                 let name = match channel {
                     Channel::Force => test.test.name.clone(),
                     _ => format!("{}.{}", test.test.name, channel.word()),
@@ -141,7 +141,7 @@ fn noise_of(
     channel: Channel,
     rows: &[usize],
     values: &[f64],
-    cautious: bool,
+    conservative: bool,
 ) -> Result<NoiseModel, RecordError> {
     let test = &model.tests[t].test;
     let given = match channel {
@@ -172,8 +172,11 @@ fn noise_of(
         .map_err(|source| RecordError::Noise { test: test.name.clone(), channel: channel.word(), source })?;
     // A record without any noise (computed, or rounded) still has the rounding of its digits.
     let peak = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    let (sd, ar1) =
-        if cautious { (estimate.cautious_sd, estimate.cautious_ar1) } else { (estimate.sd, estimate.ar1) };
+    let (sd, ar1) = if conservative {
+        (estimate.conservative_sd, estimate.conservative_ar1)
+    } else {
+        (estimate.sd, estimate.ar1)
+    };
     let freedom = estimate.freedom();
     Ok(NoiseModel {
         freedom,

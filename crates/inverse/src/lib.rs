@@ -1,8 +1,8 @@
 #![doc = include_str!("../README.md")]
 
+mod acceleration;
 mod allowing;
-mod arms;
-mod bend;
+mod asymmetric;
 mod covariance;
 mod data;
 mod fit;
@@ -16,13 +16,13 @@ mod problem;
 mod profile;
 mod quality;
 mod random;
-mod reach;
 mod sloppy;
 mod staged;
 mod step;
+mod step_control;
 mod whiten;
 
-pub use arms::Probe;
+pub use asymmetric::Probe;
 pub use covariance::{Estimate, Identifiability, Uncertainty, uncertainty};
 pub use data::{Block, Data, DataError, NoiseModel, correlation_at};
 pub use fit::fit;

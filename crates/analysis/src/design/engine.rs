@@ -266,7 +266,7 @@ fn lambda(base: &DMatrix<f64>, rival: &DVector<f64>, truth: &DVector<f64>) -> f6
 
 /// Whitened columns of an effect at its plausible size, one per shape.
 fn columns(c: &Candidate, white: &Whitened) -> Vec<DVector<f64>> {
-    let sized = |s: &diagnose::Shape| {
+    let sized = |s: &diagnose::ShapeColumns| {
         let plausible = c.amplitudes.iter().zip(s.columns.column_iter());
         plausible.fold(DVector::zeros(s.columns.nrows()), |sum, (a, column)| sum + column * a.plausible)
     };

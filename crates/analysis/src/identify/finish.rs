@@ -63,9 +63,10 @@ impl Work<'_> {
         let measured = noisy.clone().with_numerical_error(&numerical_error);
         let by_noise = self.intervals(&answer, &noisy, &fit)?;
         let straight = self.intervals(&answer, &measured, &fit)?;
-        let led = |k: &usize| straight.covariance_z[(*k, *k)] > 2.0 * by_noise.covariance_z[(*k, *k)];
-        let led_by_mesh = (0..answer.free.len()).filter(led).map(|k| answer.frees[k].path.clone()).collect();
-        let mut uncertainty = self.with_arms(&answer, (&fit, &numerical_error), straight)?;
+        let dominated = |k: &usize| straight.covariance_z[(*k, *k)] > 2.0 * by_noise.covariance_z[(*k, *k)];
+        let mesh_dominated =
+            (0..answer.free.len()).filter(dominated).map(|k| answer.frees[k].path.clone()).collect();
+        let mut uncertainty = self.asymmetric(&answer, (&fit, &numerical_error), straight)?;
         // Numbers that cannot be used leave intervals as they are: noise and mesh alone.
         let rest = self.unexplained(&answer, &fit, &measured, catalogue).ok();
         if let Some(rest) = &rest {
@@ -81,7 +82,7 @@ impl Work<'_> {
             frees,
             fit: Fit { forward_runs: self.runs, ..fit },
             uncertainty,
-            led_by_mesh,
+            mesh_dominated,
             left: rest.map(|r| r.left),
             numerical_error,
             iterations: self.iterations,
@@ -153,9 +154,9 @@ impl Work<'_> {
         }
     }
 
-    /// Intervals whose arms know how the standard errors change along the least known combinations: derivatives and
+    /// Asymmetric intervals, from how the standard errors change along the least known combinations: derivatives and
     /// numerical error at the ends of these are others than at the answer.
-    fn with_arms(
+    fn asymmetric(
         &mut self,
         answer: &Answer,
         at_end: (&Fit, &DVector<f64>),
@@ -177,6 +178,6 @@ impl Work<'_> {
         };
         let there: Vec<Option<Uncertainty>> = probes.par_iter().map(asked).collect::<Result<_, _>>()?;
         self.runs += probes.len() * (1 + usize::from(answer.coarse.is_some()));
-        Ok(straight.with_arms(&probes, &there))
+        Ok(straight.with_asymmetric_intervals(&probes, &there))
     }
 }

@@ -124,7 +124,7 @@ pub struct Identified {
     /// Intervals, in the order of `free`.
     pub uncertainty: Uncertainty,
     /// Parameters whose variance is more the mesh's error than the noise.
-    pub led_by_mesh: Vec<String>,
+    pub mesh_dominated: Vec<String>,
     /// What the model leaves unexplained; `None` where no number could be given.
     pub left: Option<crate::Left>,
     /// What a mesh twice as coarse predicts less, per point.

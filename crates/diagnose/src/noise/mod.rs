@@ -41,9 +41,9 @@ pub struct NoiseEstimate {
     /// Correlation to whiten with when a false alarm is worse than a miss: 1.5 standard errors above `ar1`
     /// where the noise is autocorrelated, else `ar1_raw` where positive. Underestimated correlation is what makes smooth misfits look
     /// significant.
-    pub cautious_ar1: f64,
-    /// Most likely sd at `cautious_ar1`.
-    pub cautious_sd: f64,
+    pub conservative_ar1: f64,
+    /// Most likely sd at `conservative_ar1`.
+    pub conservative_sd: f64,
     /// Relative standard error of `sd`.
     pub relative_error: f64,
     /// Points in the windows that counted.
@@ -182,14 +182,14 @@ fn significant(windows: &[Window], ar1: f64) -> bool {
 fn summary(windows: &[Window], ar1: f64, ar1_raw: f64) -> NoiseEstimate {
     let freedom: f64 = windows.iter().map(Window::freedom).sum();
     let ar1_error = curvature_error(windows, ar1_raw);
-    let cautious_ar1 = if ar1 == 0.0 { ar1_raw.max(0.0) } else { (ar1 + 1.5 * ar1_error).min(0.9) };
+    let conservative_ar1 = if ar1 == 0.0 { ar1_raw.max(0.0) } else { (ar1 + 1.5 * ar1_error).min(0.9) };
     NoiseEstimate {
         sd: likelihood(windows, ar1).0,
         ar1,
         ar1_raw,
         ar1_error,
-        cautious_ar1,
-        cautious_sd: likelihood(windows, cautious_ar1).0,
+        conservative_ar1,
+        conservative_sd: likelihood(windows, conservative_ar1).0,
         relative_error: (0.5 / freedom).sqrt() * ((1.0 + ar1.abs()) / (1.0 - ar1.abs())),
         points_used: windows.iter().map(|w| w.points).sum(),
     }

@@ -1,6 +1,6 @@
 //! The answer of `fct identify`.
 
-use super::remarks::{held_at_limits, led_by_mesh, remarks};
+use super::remarks::{held_at_limits, mesh_dominated, remarks};
 use super::{EnergyAnswer, SCHEMA, finite};
 use crate::published::Published;
 use analysis::{HistoryEntry, Identified, Left, PhaseCost, SimulatedTest};
@@ -227,8 +227,8 @@ impl IdentifyAnswer {
             })
             .collect();
         let limits = held_at_limits(&done.model.parameters).into_iter();
-        let led = led_by_mesh(&done.led_by_mesh, &tests);
-        let remarks = limits.chain(led).chain(remarks(replayed)).collect();
+        let dominated = mesh_dominated(&done.mesh_dominated, &tests);
+        let remarks = limits.chain(dominated).chain(remarks(replayed)).collect();
         Self {
             schema: SCHEMA,
             specimen: case.name.clone(),

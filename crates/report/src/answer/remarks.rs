@@ -32,12 +32,12 @@ pub fn held_at_limits(parameters: &[Parameter]) -> Option<String> {
 }
 
 /// What the mesh's own error does to intervals that are mostly made of it: they count it, to first order, and were seen
-/// to hold the truth in 85 to 98 % of repeats (docs/reliability.md). `led`: the parameters.
-pub fn led_by_mesh(led: &[String], tests: &IndexMap<String, TestFit>) -> Option<String> {
-    if led.is_empty() {
+/// to hold the truth in 85 to 98 % of repeats (docs/reliability.md). `dominated`: the parameters.
+pub fn mesh_dominated(dominated: &[String], tests: &IndexMap<String, TestFit>) -> Option<String> {
+    if dominated.is_empty() {
         return None;
     }
-    let (shown, rest) = led.split_at(led.len().min(PARAMETERS_SHOWN));
+    let (shown, rest) = dominated.split_at(dominated.len().min(PARAMETERS_SHOWN));
     let more = if rest.is_empty() { String::new() } else { format!(" and {} more", rest.len()) };
     let errors: Vec<String> = tests
         .iter()
@@ -95,11 +95,13 @@ mod tests {
             energy: None,
         };
         let tests = IndexMap::from([("tearing".into(), fit)]);
-        assert_eq!(led_by_mesh(&[], &tests), None);
-        let led: Vec<String> = (1..=6).map(|i| format!("interface.area[{i}].gc")).collect();
-        let told = led_by_mesh(&led, &tests).expect("a remark");
+        assert_eq!(mesh_dominated(&[], &tests), None);
+        let dominated: Vec<String> = (1..=6).map(|i| format!("interface.area[{i}].gc")).collect();
+        let told = mesh_dominated(&dominated, &tests).expect("a remark");
         assert!(told.contains("(tearing 0.022 N, 2.2 times the noise)"), "{told}");
         assert!(told.contains("interface.area[4].gc and 2 more. "), "{told}");
-        assert!(led_by_mesh(&led[..1], &tests).expect("a remark").contains("of interface.area[1].gc. "));
+        assert!(
+            mesh_dominated(&dominated[..1], &tests).expect("a remark").contains("of interface.area[1].gc. ")
+        );
     }
 }

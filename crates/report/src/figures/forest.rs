@@ -137,13 +137,13 @@ impl Scale {
         let values: Vec<f64> = rows().map(|r| r.value).chain(means).filter(|v| v.is_finite()).collect();
         let low = values.iter().copied().reduce(f64::min)?;
         let high = values.iter().copied().reduce(f64::max)?;
-        let reach = (high - low).max(0.2 * high.abs()).max(f64::MIN_POSITIVE);
+        let limit = (high - low).max(0.2 * high.abs()).max(f64::MIN_POSITIVE);
         let ends = groups.iter().flat_map(|g| g.rows.iter().map(|r| r.interval).chain(g.mean.map(|m| m.1)));
         let (mut a, mut b) = (low, high);
         for [l, h] in ends.filter(|i| i.iter().all(|x| x.is_finite())) {
-            (a, b) = (a.min(l.max(low - reach)), b.max(h.min(high + reach)));
+            (a, b) = (a.min(l.max(low - limit)), b.max(h.min(high + limit)));
         }
-        let margin = 0.04 * (b - a).max(0.1 * reach);
+        let margin = 0.04 * (b - a).max(0.1 * limit);
         Some(Self { low: a - margin, high: b + margin })
     }
 
