@@ -234,7 +234,12 @@ impl Linear {
             .filter(|e| !e.card().negative_control)
             .map(|e| (e.card().name.to_owned(), e.card().separated_by.to_owned()))
             .collect();
-        Ok(Foresight { parameters: self.known(&white), effects, hidden, numerical_error: self.numerical_error })
+        Ok(Foresight {
+            parameters: self.known(&white),
+            effects,
+            hidden,
+            numerical_error: self.numerical_error,
+        })
     }
 
     fn known(&self, white: &Whitened) -> Vec<Known> {
@@ -314,7 +319,8 @@ pub(crate) fn foresight_of_records(
         match linear(&model, (how, LOOK), &theta, measured.clone(), catalogue, cancelled) {
             Ok(linear) => {
                 let at = (&model, theta.as_slice());
-                let linear = match super::mesh::error(&case, catalogue, at, &linear.measured.slots, cancelled) {
+                let linear = match super::mesh::error(&case, catalogue, at, &linear.measured.slots, cancelled)
+                {
                     Some(difference) => linear.with_numerical_error(&difference),
                     None => linear,
                 };
