@@ -14,6 +14,7 @@ use input::{Averaged, Case, Record};
 use model::{Channel, Corner, corner_rows};
 use std::ops::Range;
 use std::sync::Arc;
+use weights::Whole;
 
 /// Records of no more rows stay as they are.
 const PLAIN_ROWS: usize = 1000;
@@ -80,29 +81,22 @@ struct Bin {
 /// than they do. Points as wide as that stretch have errors of their own.
 fn condense(record: &Record) -> Record {
     let corners = corner_rows(record);
-    let points = condensed_to(record, &corners, 1);
-    let Some(close) = correlation(&points, &corners).filter(|c| *c > CORRELATED) else { return points };
-    let wide = condensed_to(record, &corners, WIDER);
+    let whole = Whole::new(record, &corners);
+    let (points, noise) = condensed_to(&whole, 1);
+    let Some(close) = noise.map(|n| n.ar1).filter(|c| *c > CORRELATED) else { return points };
+    let (wide, noise) = condensed_to(&whole, WIDER);
     // Means of two neighbours of an autoregressive noise would be correlated as much as this.
     let expected = 0.5 * close * (1.0 + close);
-    match correlation(&wide, &corners) {
+    match noise.map(|n| n.ar1) {
         Some(apart) if apart < expected - SOONER => wide,
         _ => points,
     }
 }
 
-/// Correlation of the force's noise at neighbouring points.
-fn correlation(points: &Record, corners: &[(usize, Corner)]) -> Option<f64> {
-    let readings = &points.averaged.as_ref()?.channels[0].readings;
-    let (spread, position) = (spread(readings), position(readings));
-    let breaks: Vec<usize> = corners.iter().map(|c| points.time.partition_point(|t| *t < c.1.time)).collect();
-    let weights = Weights { spread: &spread, position: &position };
-    estimate_averages(&points.time, &points.force, weights, &breaks).ok().map(|n| n.ar1)
-}
-
-/// Points `wider` times as wide as usual.
-fn condensed_to(record: &Record, corners: &[(usize, Corner)], wider: usize) -> Record {
-    let bins = bins(record, corners, wider);
+/// Points `wider` times as wide as usual, and the noise of the force at them.
+fn condensed_to(whole: &Whole, wider: usize) -> (Record, Option<NoiseEstimate>) {
+    let record = whole.record;
+    let bins = bins(record, whole.corners, wider);
     let mean = |rows: &Range<usize>, v: &[f64]| v[rows.clone()].iter().sum::<f64>() / rows.len() as f64;
     let time = |b: &Bin| match b.hold_since {
         // A force that relaxes is even in the logarithm of time.
@@ -132,9 +126,10 @@ fn condensed_to(record: &Record, corners: &[(usize, Corner)], wider: usize) -> R
     out.grip_displacement = camera(&record.grip_displacement);
     out.tear_front = camera(&record.tear_front);
     out.width_change = camera(&record.width_change);
-    let channels = Channel::ALL.map(|channel| weights::averages(record, &out, channel, &bins, corners));
-    out.averaged = Some(Averaged { rows: record.len(), channels });
-    out
+    let all = Channel::ALL.map(|channel| weights::averages(whole, &out, channel, &bins));
+    let noise = all[0].1;
+    out.averaged = Some(Averaged { rows: record.len(), channels: all.map(|a| a.0) });
+    (out, noise)
 }
 
 /// Points of a record, in order, every row in one of them.
