@@ -1,6 +1,6 @@
 //! The answer of `fct identify`.
 
-use super::remarks::{held_at_limits, led_by_mesh, remarks};
+use super::remarks::{held_at_limits, led_by_mesh, remarks, weighed};
 use super::{EnergyAnswer, SCHEMA, finite};
 use crate::published::Published;
 use analysis::{HistoryEntry, Identified, Left, PhaseCost, SimulatedTest};
@@ -228,7 +228,8 @@ impl IdentifyAnswer {
             .collect();
         let limits = held_at_limits(&done.model.parameters).into_iter();
         let led = led_by_mesh(&done.led_by_mesh, &tests);
-        let remarks = limits.chain(led).chain(remarks(replayed)).collect();
+        let weighed = weighed(case).into_iter();
+        let remarks = weighed.chain(limits).chain(led).chain(remarks(replayed)).collect();
         Self {
             schema: SCHEMA,
             specimen: case.name.clone(),
