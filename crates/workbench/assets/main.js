@@ -77,7 +77,9 @@ function lead() {
   fill(byId("key"), strength("gc", "fracture energy Gc"), strength("sigma_c", "strength σc"),
     fit ? el("div", {}, el("dt", {}, "misfit"), el("dd", { id: "rest" }, `${percent(fit.share_of_peak)} of the peak`)) : null,
     found.length ? el("div", {}, el("dt", {}, now.diagnosis.posterior ? "probably missing" : "called for"), el("dd", {}, found.join(", "))) : null);
-  const said = !now.specimen ? "Drop a record to begin. Nothing leaves this machine."
+  const said = now.import?.failed ? "The files leave something open: see beneath."
+    : now.import?.answer && !now.specimen ? "Say which file is which test, and give the dimensions of the strip."
+    : !now.specimen ? "Drop a record to begin. Nothing leaves this machine."
     : !fit ? "Fit the model, or move its parameters."
     : fit.explained ? "The model explains the records to their noise."
     : `The model misses the records: χ² is ${show(fit.reduced_chi2)} per degree of freedom.${now.diagnosis ? "" : " Ask what is missing."}`;
@@ -152,7 +154,13 @@ function iterate(p) {
   if (objective.length > 1) sparkline(byId("fall"), objective);
 }
 
-const go = by => { const step = now.cursor + by; if (step >= 0 && step < now.steps.length) ask({ do: "go", step }); };
+// Two in a row are two, though the state of the first is still on its way.
+const go = by => {
+  const step = now.cursor + by;
+  if (step < 0 || step >= now.steps.length) return;
+  now.cursor = step;
+  ask({ do: "go", step });
+};
 
 // Back to the last step whose values were found, not set by hand.
 function reset() {

@@ -195,6 +195,7 @@ fn leaves_out(page: &mut Page) -> Tested {
     assert_eq!(misfit(page)?, before);
     let commands = page.text("#commands")?;
     assert!(commands.contains("--weigh=tearing,") && commands.contains("--unweigh=tearing"), "{commands}");
+    // Twice in a row, without waiting.
     page.press("z", 90, 2)?;
     page.press("z", 90, 2)?;
     present(page, "Fit", SOON)
@@ -258,6 +259,7 @@ fn adds(page: &mut Page) -> Tested {
     assert_eq!(names[0], "compliance", "{names}");
     shows(page)?;
     by_keyboard(page, "[data-add=compliance]", ENTER)?;
+    page.ask("scrollTo(0, 0)")?;
     present(page, "+ compliance", PATIENCE)?;
     page.ask("scrollTo(0, 0)")?;
     page.film(40)?;

@@ -263,6 +263,11 @@ impl Page {
     /// A picture of the whole page or of what is seen, into `$FCT_SCREENSHOTS`, if that is set.
     pub fn picture(&mut self, name: &str, whole: bool) -> Outcome<()> {
         let Some(folder) = std::env::var_os("FCT_SCREENSHOTS") else { return Ok(()) };
+        if whole {
+            // What stays at the top of the window would lie over the middle of the page.
+            self.ask("scrollTo(0, 0)")?;
+            self.settle()?;
+        }
         let answer = self.call("Page.captureScreenshot", json!({ "captureBeyondViewport": whole }))?;
         let file = Path::new(&folder).join(format!("{name}.png"));
         Ok(std::fs::write(file, decoded(&answer)?)?)
