@@ -84,15 +84,14 @@ fn movable(r: &Rung) -> impl Iterator<Item = &ParameterAnswer> {
     r.answer.parameters.iter().filter(|p| r.response.paths.contains(&p.path) && p.value.is_finite())
 }
 
-/// From a third to three times a positive value, as far to both sides of another one; never beyond zero.
+/// From a third to three times a positive value, as far to both sides of another one; not beyond a bound at 0.
 fn range(p: &ParameterAnswer) -> [f64; 2] {
     let half = p.interval_95.iter().flatten().map(|e| (e - p.value).abs()).fold(0.0, f64::max);
+    let wide = (3.0 * p.value.abs()).max(half).max(1e-9);
     match p.value {
         v if v > 0.0 => [v / 3.0, v * 3.0],
-        v => {
-            let wide = (3.0 * v.abs()).max(half).max(1e-9);
-            [v - wide, v + wide]
-        }
+        0.0 if p.at_bound => [0.0, wide],
+        v => [v - wide, v + wide],
     }
 }
 
