@@ -46,7 +46,9 @@ mod text;
 mod units;
 mod write;
 
-pub use case::{Averaged, Averages, Case, Ends, Geometry, Grips, Leg, Location, Record, Test, TestKind};
+pub use case::{
+    Averaged, Averages, Case, Ends, Geometry, Grips, Leg, Location, Record, Test, TestKind, Weight,
+};
 pub use config::{
     BulkConfig, Control, DiagnoseConfig, EffectConfig, Figure, IdentifyConfig, Integration, InterfaceConfig,
     MeshConfig, Mode, OptionValue, OutputConfig, Prior, PriorsConfig, Profile, SolverConfig, Symmetry, Value,

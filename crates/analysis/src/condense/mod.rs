@@ -44,10 +44,18 @@ pub fn condensed(case: &Arc<Case>) -> Arc<Case> {
         return case.clone();
     }
     let mut out = (**case).clone();
-    for record in out.tests.iter_mut().filter_map(|t| t.record.as_mut()).filter(|r| long(r)) {
-        *record = condense(record);
+    for test in &mut out.tests {
+        if let Some(record) = test.record.as_ref().filter(|r| long(r)) {
+            test.record = Some(condense(record, &edges(test, record)));
+        }
     }
     Arc::new(out)
+}
+
+/// Rows at which the weight of a test's record changes.
+fn edges(test: &input::Test, record: &Record) -> Vec<usize> {
+    let weight = |i: usize| test.weight_at(record.time[i]);
+    (1..record.len()).filter(|&i| weight(i) != weight(i - 1)).collect()
 }
 
 /// The noise of the force at the points that a fit sees, and how many they are.
@@ -59,7 +67,7 @@ pub(crate) fn force_noise(
         let breaks: Vec<usize> = corners.iter().map(|c| c.0).collect();
         return (estimate(&record.time, &record.force, &breaks), record.len());
     }
-    let points = condense(record);
+    let points = condense(record, &[]);
     let averages = points.averaged.as_ref().map(|a| a.channels[0].clone()).unwrap_or_default();
     let (spread, position) = (spread(&averages.readings), position(&averages.readings));
     let weights = Weights { spread: &spread, position: &position };
@@ -79,9 +87,10 @@ struct Bin {
 /// Points of about the usual number, or wider ones: where rows share their errors over a stretch and no farther (a filter,
 /// an interpolation), close points look like an autoregressive noise whose memory is much longer, and would say less
 /// than they do. Points as wide as that stretch have errors of their own.
-fn condense(record: &Record) -> Record {
+/// No point stands across one of the `edges`.
+fn condense(record: &Record, edges: &[usize]) -> Record {
     let corners = corner_rows(record);
-    let whole = Whole::new(record, &corners);
+    let whole = Whole::new(record, &corners, edges);
     let (points, noise) = condensed_to(&whole, 1);
     let Some(close) = noise.map(|n| n.ar1).filter(|c| *c > CORRELATED) else { return points };
     let (wide, noise) = condensed_to(&whole, WIDER);
@@ -96,7 +105,7 @@ fn condense(record: &Record) -> Record {
 /// Points `wider` times as wide as usual, and the noise of the force at them.
 fn condensed_to(whole: &Whole, wider: usize) -> (Record, Option<NoiseEstimate>) {
     let record = whole.record;
-    let bins = bins(record, whole.corners, wider);
+    let bins = bins(record, whole.corners, wider, whole.edges);
     let mean = |rows: &Range<usize>, v: &[f64]| v[rows.clone()].iter().sum::<f64>() / rows.len() as f64;
     let time = |b: &Bin| match b.hold_since {
         // A force that relaxes is even in the logarithm of time.
@@ -133,11 +142,14 @@ fn condensed_to(whole: &Whole, wider: usize) -> (Record, Option<NoiseEstimate>) 
 }
 
 /// Points of a record, in order, every row in one of them.
-fn bins(record: &Record, corners: &[(usize, Corner)], wider: usize) -> Vec<Bin> {
+fn bins(record: &Record, corners: &[(usize, Corner)], wider: usize, edges: &[usize]) -> Vec<Bin> {
     let travel = |w: &[(usize, Corner)]| (w[1].1.displacement - w[0].1.displacement).abs();
     let way: f64 = corners.windows(2).map(travel).sum();
     let holds = corners.windows(2).filter(|w| travel(w) == 0.0).count().max(1);
-    let breaks = breaks(record);
+    let mut breaks = breaks(record);
+    breaks.extend(edges);
+    breaks.sort_unstable();
+    breaks.dedup();
     let single = |c: &(usize, Corner)| Bin {
         rows: c.0..c.0 + 1,
         displacement: Some(c.1.displacement),

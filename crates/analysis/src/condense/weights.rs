@@ -10,12 +10,14 @@ use std::cell::OnceCell;
 pub(super) struct Whole<'a> {
     pub record: &'a Record,
     pub corners: &'a [(usize, Corner)],
+    /// Rows that no point may stand across.
+    pub edges: &'a [usize],
     noise: [OnceCell<Option<NoiseEstimate>>; Channel::ALL.len()],
 }
 
 impl<'a> Whole<'a> {
-    pub fn new(record: &'a Record, corners: &'a [(usize, Corner)]) -> Self {
-        Self { record, corners, noise: Default::default() }
+    pub fn new(record: &'a Record, corners: &'a [(usize, Corner)], edges: &'a [usize]) -> Self {
+        Self { record, corners, edges, noise: Default::default() }
     }
 
     fn noise(&self, channel: Channel) -> Option<NoiseEstimate> {

@@ -14,7 +14,7 @@ pub(crate) use work::{SEARCH_TOLERANCE, TRIAL_BUDGET, Work};
 
 use crate::data::{Measured, RecordError};
 use crate::held_out::{HeldOut, held_out};
-use crate::journal::Journal;
+use crate::journal::{Journal, Recent};
 use crate::problem::Cancelled;
 use input::Case;
 use inverse::{Fit, FitError, Free, Iterate, Noise, PredictError, Quality, Uncertainty, Whitened};
@@ -181,6 +181,8 @@ pub fn identify(
     let options = run_options(&case);
     let wanted = fine.recorded();
     let measured = Measured::of(&fine, &wanted)?;
+    let recent = Recent::new(control.journal);
+    let control = &Control { journal: &recent, ..*control };
     let mut work = Work::new(&case, fine.theta(), options, control);
     work.search = work::fewer_steps(options);
     let mut list = stages(&fine, case.identify.mode);

@@ -84,8 +84,9 @@ impl TearMisfit {
         for (slot, block) in measured.slots.iter().zip(&measured.data.blocks) {
             if model.tests[slot.test].test.kind == TestKind::Tearing && slot.channel == Channel::Force {
                 let own = |i: usize| (misfit[i] / block.noise.sd_of(i - block.range.start)).powi(2);
-                left.chi2 += block.range.clone().map(own).sum::<f64>();
-                left.points += block.range.len() as f64;
+                let used = || block.range.clone().filter(|&i| measured.data.is_used(i));
+                left.chi2 += used().map(own).sum::<f64>();
+                left.points += used().count() as f64;
             }
         }
         left

@@ -1,6 +1,6 @@
 //! The answer of `fct identify`.
 
-use super::remarks::{held_at_limits, mesh_dominated, remarks};
+use super::remarks::{held_at_limits, mesh_dominated, remarks, weighed};
 use super::{EnergyAnswer, SCHEMA, finite};
 use crate::published::Published;
 use analysis::{HistoryEntry, Identified, Left, PhaseCost, SimulatedTest};
@@ -228,7 +228,8 @@ impl IdentifyAnswer {
             .collect();
         let limits = held_at_limits(&done.model.parameters).into_iter();
         let dominated = mesh_dominated(&done.mesh_dominated, &tests);
-        let remarks = limits.chain(dominated).chain(remarks(replayed)).collect();
+        let weighed = weighed(case).into_iter();
+        let remarks = weighed.chain(limits).chain(dominated).chain(remarks(replayed)).collect();
         Self {
             schema: SCHEMA,
             specimen: case.name.clone(),

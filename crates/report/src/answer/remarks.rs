@@ -4,6 +4,7 @@ use super::identify::TestFit;
 use crate::terminal::significant;
 use analysis::SimulatedTest;
 use indexmap::IndexMap;
+use input::{Case, Record, Test, Weight};
 use params::Parameter;
 
 /// Fewer elements than this in the softening zone make a force that wavers with the mesh (three at least: Turon et al.
@@ -52,6 +53,27 @@ pub fn mesh_dominated(dominated: &[String], tests: &IndexMap<String, TestFit>) -
         errors.join("; "),
         shown.join(", ")
     ))
+}
+
+/// What of the records counts less, more or not at all.
+pub fn weighed(case: &Case) -> Vec<String> {
+    let of = |t: &Test| -> Vec<String> {
+        let rows = |w: &Weight| {
+            let times = t.record.iter().flat_map(|r| &r.time);
+            times.filter(|at| (w.from_s..=w.to_s).contains(*at)).count()
+        };
+        let all = t.record.as_ref().map_or(0, Record::len);
+        let told = |w: &Weight| match w.weight {
+            0.0 => "left out of the fit".to_owned(),
+            by => format!("counted {} times", significant(by, 3)),
+        };
+        let line = |w: &Weight| {
+            let [from, to] = [w.from_s, w.to_s].map(|s| significant(s, 4));
+            format!("{}: {from} s to {to} s {} ({} of {all} points).", t.name, told(w), rows(w))
+        };
+        t.weights.iter().map(line).collect()
+    };
+    case.tests.iter().flat_map(of).collect()
 }
 
 /// Remarks on finished runs.
