@@ -4,7 +4,7 @@ use crate::ladder::FeLadder;
 use diagnose::atlas::{SegmentMisfit, atlas, atlas_by};
 use diagnose::dependence::{Variable, dependence, protocol_variables};
 use diagnose::{RecordKind, Segment, words};
-use input::{Record, Test, TestKind};
+use input::{Record, Test};
 use model::Channel;
 use serde::Serialize;
 
@@ -13,10 +13,7 @@ const STRETCHES: usize = 8;
 
 /// The segments of a test's record.
 pub(crate) fn segments(test: &Test, record: &Record) -> Vec<Segment> {
-    let kind = match test.kind {
-        TestKind::Uniaxial => RecordKind::Intact,
-        TestKind::Tearing => RecordKind::Tearing,
-    };
+    let kind = if test.kind.tears { RecordKind::Tearing } else { RecordKind::Intact };
     diagnose::segments::cut(&record.time, &record.displacement, &record.force, kind)
 }
 

@@ -5,7 +5,7 @@
 use crate::data::Measured;
 use crate::identify::{AnalysisError, Stage, Work, coarser};
 use crate::start::{START_NOISE, Start, from_record};
-use input::{Case, Record, TestKind};
+use input::{Case, Record};
 use inverse::Problem as _;
 use model::{Catalogue, Model, Site};
 use std::sync::Arc;
@@ -22,7 +22,7 @@ pub(crate) fn feasible_start(
     catalogue: &Catalogue,
     work: &mut Work,
 ) -> Result<Option<Start>, AnalysisError> {
-    let tearing = case.tests.iter().any(|t| t.kind == TestKind::Tearing && t.record.is_some());
+    let tearing = case.tests.iter().any(|t| t.kind.tears && t.record.is_some());
     let Ok(model) = part_of(case, 1.0, catalogue) else { return Ok(None) };
     let path = model.free_on(Site::Interface);
     if !tearing || path.is_empty() || follows(&model, &model.theta(), work)? {
@@ -83,7 +83,7 @@ fn holding(case: &Case, model: &Model, work: &mut Work) -> Result<bool, Analysis
 /// The model on a coarse mesh, its tearing records up to this part of their largest displacement.
 fn part_of(case: &Case, part: f64, catalogue: &Catalogue) -> Result<Model, AnalysisError> {
     let (mut shorter, how) = coarser(case);
-    for t in shorter.tests.iter_mut().filter(|t| t.kind == TestKind::Tearing) {
+    for t in shorter.tests.iter_mut().filter(|t| t.kind.tears) {
         let peak = t.record.iter().flat_map(|r| &r.force).fold(0.0f64, |m, f| m.max(f.abs()));
         // A few points do not tell their noise.
         t.force_sd = t.force_sd.or(Some(START_NOISE * peak));

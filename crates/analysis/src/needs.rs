@@ -1,6 +1,6 @@
 //! What the effects of a config need their records to hold.
 
-use input::{Case, Location, TestKind};
+use input::{Case, Layout, Location};
 use model::{Catalogue, Corner, Effect, corners_of_record};
 use std::sync::Arc;
 
@@ -18,6 +18,8 @@ pub type Need = (Location, String);
 struct Holds {
     tests: usize,
     tearing: bool,
+    clamped: bool,
+    flat: bool,
     unloading: bool,
     pause: bool,
     /// Slowest and fastest leg, mm/s.
@@ -29,7 +31,9 @@ impl Holds {
         let mut holds = Self::default();
         for (test, record) in case.tests.iter().filter_map(|t| t.record.as_ref().map(|r| (t, r))) {
             holds.tests += 1;
-            holds.tearing |= test.kind == TestKind::Tearing;
+            holds.tearing |= test.kind.tears;
+            holds.clamped |= test.kind.clamped_faces;
+            holds.flat |= test.kind.layout == Layout::Sheet;
             holds.add(&corners_of_record(record));
         }
         holds
@@ -60,7 +64,13 @@ impl Holds {
     /// What of the records an effect lacks, and what to add; `None` where a need is met.
     fn lacks(&self, need: &str) -> Option<(&'static str, &'static str)> {
         match need {
-            "tearing" if !self.tearing => Some(("no tearing test", "a tearing test")),
+            model::TEARING if !self.tearing => Some(("no tearing test", "a tearing test")),
+            model::CLAMPED_ENDS if !self.clamped => {
+                Some(("no test between clamped ends", "a test between clamps at both ends"))
+            }
+            model::FLAT_SHEET if !self.flat => {
+                Some(("no test in the plane of the piece", "a test in its plane"))
+            }
             "unloading" if !self.unloading => Some(("no unloading", "a partial unloading and a reloading")),
             "two tests" if self.tests < 2 => Some(("one test", "a second test of another kind")),
             TIME if !self.pause && !self.two_rates() => {
@@ -119,7 +129,7 @@ mod tests {
     fn holds(legs: &[(f64, f64)]) -> Holds {
         let corners: Vec<Corner> =
             legs.iter().map(|&(time, displacement)| Corner { time, displacement }).collect();
-        let mut holds = Holds { tests: 1, ..Holds::default() };
+        let mut holds = Holds { tests: 1, clamped: true, flat: true, ..Holds::default() };
         holds.add(&corners);
         holds
     }

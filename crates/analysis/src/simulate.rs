@@ -5,7 +5,7 @@ use crate::cost::Phase;
 use crate::identify::{AnalysisError, Identified, run_options};
 use crate::problem::Cancelled;
 use fem::{FemError, History, Run, State, SteppingOptions, Target, run_steps};
-use input::{Case, Control, TestKind};
+use input::{Case, Control};
 use inverse::PredictError;
 use model::cost::Purpose;
 use model::{
@@ -136,7 +136,7 @@ fn planned(model: &Model, t: usize, mut stepping: SteppingOptions) -> (Plan, Ste
         - corners.iter().fold(f64::MAX, |m, c| m.min(c.displacement));
     let step = solver.step_mm.unwrap_or((range / DEFAULT_STEPS).max(1e-9));
     // An intact strip has no snap-back to follow.
-    let path = solver.control == Control::Path && model.tests[t].test.kind == TestKind::Tearing;
+    let path = solver.control == Control::Path && model.tests[t].test.kind.tears;
     stepping.follow_path = path;
     if path {
         stepping.arc_step = step;
@@ -239,9 +239,10 @@ fn answer(model: &Model, theta: &[f64], t: usize, plan: Plan, run: Run) -> Simul
     let time: Vec<f64> = run.steps.iter().map(|s| s.time - start + offset).collect();
     let displacement: Vec<f64> = run.steps.iter().map(|s| s.actuator).collect();
     let zero = run.steps.first().map_or((0.0, 0.0), |s| (s.grip, width(s)));
-    let tear_front = match test.kind {
-        TestKind::Tearing => run.steps.iter().map(|s| output(s, camera::output::TEAR_FRONT)).collect(),
-        TestKind::Uniaxial => Vec::new(),
+    let tear_front = if test.kind.tears {
+        run.steps.iter().map(|s| output(s, camera::output::TEAR_FRONT)).collect()
+    } else {
+        Vec::new()
     };
     SimulatedTest {
         name: test.name.clone(),

@@ -5,7 +5,7 @@
 //! optimum (the paper's fourth limitation).
 
 use crate::identify::{AnalysisError, Stage, StagePlan, Work};
-use input::{Case, TestKind};
+use input::Case;
 use model::{Catalogue, Discretisation, Model};
 use params::{Owner, ParamPath};
 use std::sync::Arc;
@@ -26,7 +26,7 @@ fn one_area(
     list: &[StagePlan],
 ) -> Result<Option<Vec<Start>>, AnalysisError> {
     let interface = &case.interface;
-    let tearing = case.tests.iter().any(|t| t.kind == TestKind::Tearing && t.record.is_some());
+    let tearing = case.tests.iter().any(|t| t.kind.tears && t.record.is_some());
     if !tearing || interface.gc.len() > 1 || interface.sigma_c.len() > 1 || case.mesh.divisions.is_some() {
         return Ok(None);
     }
@@ -43,8 +43,7 @@ fn one_area(
     else {
         return Ok(None);
     };
-    let tests: Vec<bool> =
-        model.tests.iter().map(|t| t.test.kind == TestKind::Tearing && t.test.record.is_some()).collect();
+    let tests: Vec<bool> = model.tests.iter().map(|t| t.test.kind.tears && t.test.record.is_some()).collect();
     let free: Vec<usize> = [g, s].into_iter().filter(|&i| model.parameters[i].free).collect();
     let mut best: Option<(f64, Vec<f64>)> = None;
     let found = bulk_starts(&model, &file, &bulk, bulk_tests.as_deref(), work)?;
@@ -229,29 +228,11 @@ pub(crate) fn spread(fine: &Model, start: &Start, theta: &mut [f64]) {
     }
 }
 
-/// (Gc, σc) of the order the tearing record asks for: work per torn area, and the peak force per
-/// ligament area.
+/// (Gc, σc) of the order that the records of tears ask for, by each experiment's own estimate; the largest of all.
 pub(crate) fn from_record(case: &Case) -> (f64, f64) {
-    let g = &case.geometry;
-    let area = (g.width - g.cut) * g.thickness;
-    let mut out = (0.0f64, 0.0f64);
-    for record in case.tests.iter().filter(|t| t.kind == TestKind::Tearing).filter_map(|t| t.record.as_ref())
-    {
-        let (u, f) = (&record.displacement, &record.force);
-        // Work on the envelope: only where the displacement is the largest so far.
-        let (mut work, mut most, mut force) = (0.0, u[0], f[0]);
-        for (&u, &f) in u.iter().zip(f) {
-            if u > most {
-                work += 0.5 * (f + force) * (u - most);
-                (most, force) = (u, f);
-            }
-        }
-        let peak = f.iter().fold(0.0f64, |m, x| m.max(*x));
-        let tail = force.max(0.0) / peak.max(f64::MIN_POSITIVE);
-        out.0 = out.0.max(work / area * (1.0 + tail));
-        out.1 = out.1.max(peak / area);
-    }
-    out
+    let torn = case.tests.iter().filter(|t| t.kind.tears);
+    let told = torn.filter_map(|t| t.record.as_ref().map(|r| (t.kind.estimate)(&case.geometry, r)));
+    told.fold((0.0f64, 0.0f64), |most, (gc, sigma_c)| (most.0.max(gc), most.1.max(sigma_c)))
 }
 
 /// Writes identified values into a case as the start of the next search; bounds, freedom and what priors expect stay.

@@ -6,7 +6,7 @@
 
 use crate::priors;
 use constitutive::{Context, Law, PointLaw, StartGrid};
-use input::{Case, TestKind};
+use input::Case;
 use inverse::Free;
 use model::Model;
 use rayon::prelude::*;
@@ -58,7 +58,7 @@ pub(crate) fn tissues(model: &Model, case: &Case, frees: &[Free], theta: &[f64])
 /// (stretch, nominal stress in MPa) of the first uniaxial record, thinned.
 fn points(case: &Case) -> Vec<(f64, f64)> {
     let g = &case.geometry;
-    let uniaxial = |t: &&input::Test| t.kind == TestKind::Uniaxial;
+    let uniaxial = |t: &&input::Test| t.kind.free_strip;
     let Some((test, record)) = case.tests.iter().filter(uniaxial).find_map(|t| Some((t, t.record.as_ref()?)))
     else {
         return Vec::new();

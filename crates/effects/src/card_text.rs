@@ -118,6 +118,7 @@ fn facts(effect: &dyn Effect) -> Vec<(&'static str, String)> {
             OptionKind::Number { min, max } => format!("{min} to {max}"),
             OptionKind::Choice(words) => words.join(" or "),
             OptionKind::Test => "name of a test".to_owned(),
+            OptionKind::TestKind => "name of an experiment".to_owned(),
             OptionKind::Text => "text".to_owned(),
         };
         facts.push(("option", format!("`{}` ({values}): {}", option.name, option.description)));

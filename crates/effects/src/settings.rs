@@ -30,6 +30,16 @@ pub fn choice(name: &str, words: &[&str], description: &str) -> OptionSpec {
     }
 }
 
+/// The description of an option that names an experiment.
+pub fn kind(name: &str, default: &str, description: &str) -> OptionSpec {
+    OptionSpec {
+        name: name.to_owned(),
+        kind: OptionKind::TestKind,
+        default: Some(OptionValue::Text(default.to_owned())),
+        description: description.to_owned(),
+    }
+}
+
 /// Values spread evenly in the logarithm from `low` to `high`, both included.
 pub fn spread(low: f64, high: f64, count: usize) -> Vec<f64> {
     let (low, high) = (low.max(1e-300), high.max(low).max(1e-300));

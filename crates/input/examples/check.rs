@@ -1,7 +1,10 @@
 //! Reads specimens and configs and prints what is resolved, with a catalogue of names only:
 //! `cargo run -p input --example check -- FILE…`
 
-use input::{EffectRegistry, LawRegistry, LawSite, OptionSpec, OptionValue, read_case, resolved_toml};
+use input::{
+    EffectRegistry, ExperimentRegistry, LawRegistry, LawSite, OptionSpec, OptionValue, TestKind, read_case,
+    resolved_toml,
+};
 use params::{ParamSpec, Quantity};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -49,6 +52,12 @@ impl LawRegistry for Catalogue {
         options: &BTreeMap<String, OptionValue>,
     ) -> Option<Vec<ParamSpec>> {
         laws::registry().law_parameters(site, law, options)
+    }
+}
+
+impl ExperimentRegistry for Catalogue {
+    fn kinds(&self) -> Vec<TestKind> {
+        experiments::registry().kinds()
     }
 }
 

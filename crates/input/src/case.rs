@@ -5,6 +5,7 @@ use crate::config::{
     SolverConfig,
 };
 use crate::diagnostics::Diagnostic;
+use crate::experiment::TestKind;
 use crate::inputs::InputFile;
 use serde::Serialize;
 use std::fmt;
@@ -112,27 +113,6 @@ pub struct Geometry {
     pub thickness_profile: Option<Vec<[f64; 2]>>,
 }
 
-/// What was done to the piece.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum TestKind {
-    /// The intact strip is stretched.
-    #[default]
-    Uniaxial,
-    /// The strip with the cut is torn along the cohesive path.
-    Tearing,
-}
-
-impl TestKind {
-    /// The word used in files.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Uniaxial => "uniaxial",
-            Self::Tearing => "tearing",
-        }
-    }
-}
-
 /// How the end faces are held.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -160,7 +140,7 @@ pub enum Grips {
 pub struct Test {
     /// Key of the test in every answer and file; unique in the case.
     pub name: String,
-    /// Intact or torn.
+    /// The experiment: what it offers is asked of its card.
     pub kind: TestKind,
     /// How the ends are held.
     pub ends: Ends,

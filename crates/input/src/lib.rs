@@ -19,13 +19,13 @@
 //!     [bulk]
 //!     mu_kPa = { start = 5.0, max = 50.0 }
 //! "#)?;
-//! let case = input::read_case(&path, &laws::registry())?;
+//! let case = input::read_case(&path, &model::Catalogue::default())?;
 //! assert_eq!(case.geometry.thickness, 0.8);
 //! assert_eq!(case.bulk.value("mu").max, Some(0.05));
 //! assert_eq!(case.tests[0].name, "uniaxial");
 //!
 //! std::fs::write(&path, "[bulk]\nmu_kpa = 5.0\n")?;
-//! let faults = input::read_case(&path, &laws::registry()).unwrap_err().to_string();
+//! let faults = input::read_case(&path, &model::Catalogue::default()).unwrap_err().to_string();
 //! assert!(faults.contains("strip.toml:2:1: error: unknown key `mu_kpa` in [bulk]; did you mean `mu_kPa`?"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -35,6 +35,7 @@ mod config;
 mod csv;
 mod diagnostics;
 pub mod edit;
+mod experiment;
 mod inputs;
 mod keys;
 mod locate;
@@ -46,14 +47,13 @@ mod text;
 mod units;
 mod write;
 
-pub use case::{
-    Averaged, Averages, Case, Ends, Geometry, Grips, Leg, Location, Record, Test, TestKind, Weight,
-};
+pub use case::{Averaged, Averages, Case, Ends, Geometry, Grips, Leg, Location, Record, Test, Weight};
 pub use config::{
     BulkConfig, Control, DiagnoseConfig, EffectConfig, Figure, IdentifyConfig, Integration, InterfaceConfig,
     MeshConfig, Mode, OptionValue, OutputConfig, Prior, PriorsConfig, Profile, SolverConfig, Symmetry, Value,
 };
 pub use diagnostics::{Diagnostic, Diagnostics, Excerpt, Severity};
+pub use experiment::{ExperimentCard, ExperimentRegistry, Layout, TestKind};
 pub use inputs::{InputFile, sha256};
 pub use keys::{Fallback, Key, Kind, Limits, keys};
 pub use locate::locate;

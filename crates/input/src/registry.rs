@@ -1,6 +1,7 @@
 //! What the reader must know about laws and effects, without knowing any.
 
 use crate::config::{BulkConfig, EffectConfig, InterfaceConfig, OptionValue};
+use crate::experiment::ExperimentRegistry;
 use params::ParamSpec;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -47,8 +48,8 @@ pub trait LawRegistry {
     ) -> Option<Vec<ParamSpec>>;
 }
 
-/// The catalogue of laws and effects as the reader sees it; implemented by crate `model` for a catalogue of effects.
-pub trait EffectRegistry: LawRegistry {
+/// The catalogue of laws, experiments and effects as the reader sees it; implemented by crate `model` for a catalogue of effects.
+pub trait EffectRegistry: LawRegistry + ExperimentRegistry {
     /// Every effect's name.
     fn names(&self) -> Vec<&str>;
 
@@ -108,6 +109,8 @@ pub enum OptionKind {
     Choice(Vec<String>),
     /// The name of a test of the case.
     Test,
+    /// The name of an experiment.
+    TestKind,
     /// Any text.
     Text,
 }

@@ -19,6 +19,9 @@ pub fn json_schema(registry: &dyn EffectRegistry) -> Value {
     schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
     schema["title"] = json!("fct: specimen and configuration");
     schema["properties"]["effects"]["properties"] = Value::Object(effects);
+    let kinds: Vec<&str> = registry.kinds().iter().map(|k| k.word()).collect();
+    let kind = &mut schema["properties"]["tests"]["items"]["properties"]["kind"];
+    *kind = json!({ "enum": kinds, "description": kind["description"] });
     for site in LawSite::ALL {
         let description = schema["properties"][site.section()]["description"].take();
         schema["properties"][site.section()] = of_laws(site, registry);

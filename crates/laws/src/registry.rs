@@ -90,14 +90,3 @@ impl LawRegistry for Laws {
         }
     }
 }
-
-/// Laws alone are a registry without effects.
-impl input::EffectRegistry for Laws {
-    fn names(&self) -> Vec<&str> {
-        Vec::new()
-    }
-
-    fn parameters(&self, _effect: &str) -> Option<Vec<ParamSpec>> {
-        None
-    }
-}

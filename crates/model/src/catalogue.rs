@@ -1,17 +1,30 @@
-//! Effects and laws by name, and which effect can act on which law.
+//! Effects, laws and experiments by name, and which effect can act on which law.
 
-use crate::effect::{Effect, Options};
+use crate::effect::{Effect, Options, Site};
 use constitutive::Offers;
-use input::{BulkConfig, Case, EffectConfig, InterfaceConfig, LawRegistry, LawSite, OptionSpec};
+use experiments::Experiments;
+use input::{
+    BulkConfig, Case, EffectConfig, ExperimentRegistry, InterfaceConfig, LawRegistry, LawSite, Layout,
+    OptionSpec, TestKind,
+};
 use laws::Laws;
 use params::ParamSpec;
 use std::sync::Arc;
 
-/// Effects and laws that can be asked by name. Without more being said, the laws are those of [`laws::registry`].
+/// Need of an effect that acts on the tear path alone.
+pub const TEARING: &str = "tearing";
+/// Need of an effect of the clamps: whole end faces are held.
+pub const CLAMPED_ENDS: &str = "clamped ends";
+/// Need of an effect that changes the shape of a sheet in its plane.
+pub const FLAT_SHEET: &str = "a flat sheet";
+
+/// Effects, laws and experiments that can be asked by name. Without more being said, laws and experiments are those of
+/// [`laws::registry`] and [`experiments::registry`].
 #[derive(Clone)]
 pub struct Catalogue {
     effects: Vec<Arc<dyn Effect>>,
     laws: Laws,
+    experiments: Experiments,
 }
 
 impl Default for Catalogue {
@@ -23,7 +36,7 @@ impl Default for Catalogue {
 impl Catalogue {
     /// A catalogue of these effects, in this order.
     pub fn new(effects: Vec<Arc<dyn Effect>>) -> Self {
-        Self { effects, laws: laws::registry() }
+        Self { effects, laws: laws::registry(), experiments: experiments::registry() }
     }
 
     /// The same with one more.
@@ -36,6 +49,17 @@ impl Catalogue {
     pub fn with_laws(mut self, laws: Laws) -> Self {
         self.laws = laws;
         self
+    }
+
+    /// The same with other experiments.
+    pub fn with_experiments(mut self, experiments: Experiments) -> Self {
+        self.experiments = experiments;
+        self
+    }
+
+    /// The experiments.
+    pub fn experiments(&self) -> &Experiments {
+        &self.experiments
     }
 
     /// The laws.
@@ -74,6 +98,21 @@ impl Catalogue {
         self.lacking(effect, options, &case.bulk, &case.interface).is_none()
     }
 
+    /// Names of the experiments in which an effect can show: those that offer what its card needs of a test.
+    pub fn shown_in(&self, effect: &dyn Effect) -> Vec<&'static str> {
+        let card = effect.card();
+        let offered = |kind: &TestKind| {
+            let has = |need: &&str| match *need {
+                TEARING => kind.tears,
+                CLAMPED_ENDS => kind.clamped_faces,
+                FLAT_SHEET => kind.layout == Layout::Sheet,
+                _ => true,
+            };
+            card.needs.iter().all(has) && (card.site != Site::Interface || kind.tears)
+        };
+        self.kinds().iter().filter(|k| offered(k)).map(|k| k.word()).collect()
+    }
+
     /// All effects.
     pub fn iter(&self) -> impl Iterator<Item = &Arc<dyn Effect>> {
         self.effects.iter()
@@ -96,6 +135,12 @@ impl LawRegistry for Catalogue {
 
     fn law_parameters(&self, site: LawSite, law: &str, options: &Options) -> Option<Vec<ParamSpec>> {
         self.laws.law_parameters(site, law, options)
+    }
+}
+
+impl ExperimentRegistry for Catalogue {
+    fn kinds(&self) -> Vec<TestKind> {
+        self.experiments.kinds()
     }
 }
 

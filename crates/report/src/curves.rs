@@ -5,7 +5,7 @@ use crate::answer::TestCurve;
 use analysis::{Identified, Residuals, SimulatedTest};
 use diagnose::segments::cut;
 use diagnose::{RecordKind, Segment, SegmentKind};
-use input::{Record, Test, TestKind};
+use input::{Record, Test};
 use model::Channel;
 
 /// Columns of a curve's file that are no camera channel.
@@ -120,10 +120,7 @@ pub fn simulated_curve(name: &str, t: &TestCurve) -> Curve {
 
 /// The user's names of segments, or our own.
 fn segments(record: &Record, test: &Test) -> Vec<String> {
-    let kind = match test.kind {
-        TestKind::Uniaxial => RecordKind::Intact,
-        TestKind::Tearing => RecordKind::Tearing,
-    };
+    let kind = if test.kind.tears { RecordKind::Tearing } else { RecordKind::Intact };
     let mut out = record.segment.clone().unwrap_or_else(|| {
         let mut out = vec![String::new(); record.len()];
         for s in cut(&record.time, &record.displacement, &record.force, kind) {

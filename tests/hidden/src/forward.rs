@@ -6,7 +6,7 @@ use crate::draw::between;
 use crate::outside::SutureEffect;
 use crate::protocol::Extent;
 use analysis::{FeProblem, SimulateControl, Slot, simulate};
-use input::{Case, EffectConfig, Integration, Leg, Location, Record, TestKind, Value};
+use input::{Case, EffectConfig, Integration, Leg, Location, Record, Value};
 use inverse::Random;
 use model::{Catalogue, Channel, Discretisation, Model, Options, RunOptions};
 use nalgebra::DVector;
@@ -98,9 +98,9 @@ pub fn add_effect(
 }
 
 /// One test of the case alone, pulled once to `to` without a record.
-fn pull(case: &Case, kind: TestKind, to: f64) -> Case {
+fn pull(case: &Case, tears: bool, to: f64) -> Case {
     let mut c = case.clone();
-    c.tests.retain(|t| t.kind == kind);
+    c.tests.retain(|t| t.kind.tears == tears);
     for t in &mut c.tests {
         t.record = None;
         t.protocol = Some(vec![Leg::Ramp { to_mm: to, rate_mm_per_s: 0.05 }]);
@@ -123,13 +123,13 @@ fn curve(case: Case, catalogue: &Catalogue) -> Result<(Vec<f64>, Vec<f64>, bool)
 pub fn probe(case: &Case, catalogue: &Catalogue, share: f64) -> Result<Option<Extent>, GenerateError> {
     let opening = case.interface.gc[0].value.unwrap_or(0.2) / case.interface.sigma_c[0].value.unwrap_or(0.2);
     let far = 0.35 * case.geometry.length + 3.5 * opening;
-    let (u, f, uneven) = curve(pull(case, TestKind::Tearing, far), catalogue)?;
+    let (u, f, uneven) = curve(pull(case, true, far), catalogue)?;
     if uneven {
         return Ok(None);
     }
     let peak = (0..f.len()).fold(0, |m, i| if f[i] > f[m] { i } else { m });
     let tearing = (peak..f.len()).find(|&i| f[i] < 0.04 * f[peak]).map_or(far, |i| u[i]);
-    let (v, g, uneven) = curve(pull(case, TestKind::Uniaxial, u[peak]), catalogue)?;
+    let (v, g, uneven) = curve(pull(case, false, u[peak]), catalogue)?;
     if uneven {
         return Ok(None);
     }

@@ -10,7 +10,7 @@ use crate::outside::Outside;
 use crate::protocol::{self, Extent};
 use crate::signal::Visible;
 use crate::spec::{Hidden, Spec};
-use input::{Case, Geometry, Record, TestKind};
+use input::{Case, Geometry, Record};
 use inverse::Random;
 use model::Catalogue;
 use std::collections::BTreeMap;
@@ -66,7 +66,7 @@ pub fn generate(spec: &Spec, fineness: &Fineness, folder: &Path) -> Result<Truth
 
 fn template() -> Result<Case, GenerateError> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/template.toml");
-    input::read_case(Path::new(path), &laws::registry()).map_err(|e| GenerateError::file(path, &e))
+    input::read_case(Path::new(path), &Catalogue::default()).map_err(|e| GenerateError::file(path, &e))
 }
 
 /// Draws one piece and lowers its strength until nothing jumps.
@@ -109,9 +109,10 @@ struct Attempt<'a> {
 impl Attempt<'_> {
     fn compute(&self, mut case: Case, random: &mut Random) -> Result<Option<Piece>, GenerateError> {
         for t in &mut case.tests {
-            let legs = match t.kind {
-                TestKind::Uniaxial => protocol::uniaxial(self.spec.protocol, &self.extent, random),
-                TestKind::Tearing => protocol::tearing(self.spec.protocol, &self.extent, random),
+            let legs = if t.kind.tears {
+                protocol::tearing(self.spec.protocol, &self.extent, random)
+            } else {
+                protocol::uniaxial(self.spec.protocol, &self.extent, random)
             };
             (t.record, t.protocol) = (Some(protocol::motion(&legs)), None);
         }

@@ -75,7 +75,7 @@ pub fn stored(folder: &Path) -> Option<Imitated> {
 pub fn measure(folder: &Path) -> Result<Imitated, GenerateError> {
     let truth = files::truth(folder)?;
     let path = folder.join("config.toml");
-    let mut case = input::read_case(&path, &laws::registry())
+    let mut case = input::read_case(&path, &model::Catalogue::default())
         .map_err(|e| GenerateError::file(&path.display().to_string(), &e))?;
     truth.tissue.put(&mut case);
     let trial = Trial { catalogue: forward::catalogue(), truth: &truth, base: case };

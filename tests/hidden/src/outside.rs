@@ -123,16 +123,14 @@ impl Outside {
                 .map(|(t, f)| f * (1.0 + p(0) * (TAU * t / p(1) + p(2)).sin()))
                 .collect(),
             Self::GuideFriction => friction(&record.displacement, force, p(0), p(1)),
-            Self::StickSlip if kind == TestKind::Tearing => saw(&record.displacement, force, p(0), p(1)),
+            Self::StickSlip if kind.tears => saw(&record.displacement, force, p(0), p(1)),
             Self::LoadDelay => (0..force.len())
                 .map(|i| delayed(record, force, i, p(0) * (force[i] / p(1)).max(0.0)))
                 .collect(),
-            Self::ZeroJump if kind == TestKind::Tearing => {
+            Self::ZeroJump if kind.tears => {
                 record.time.iter().zip(force).map(|(t, f)| if *t >= p(1) { f + p(0) } else { *f }).collect()
             }
-            Self::LayerFailure if kind == TestKind::Tearing => {
-                gives_way(&record.displacement, force, p(0), p(1))
-            }
+            Self::LayerFailure if kind.tears => gives_way(&record.displacement, force, p(0), p(1)),
             _ => force.to_vec(),
         }
     }

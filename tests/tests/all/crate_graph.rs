@@ -19,10 +19,15 @@ const MAY_SEE: &[(&str, &[&str])] = &[
     ("cohesive", &["constitutive", "params"]),
     ("laws", &["cohesive", "constitutive", "hgo", "input", "params"]),
     ("fem", &["constitutive", "mesh", "params"]),
+    // Supports are `fem`'s, strips are `mesh`'s, cards and tests are `input`'s.
+    ("experiments", &["fem", "input", "mesh"]),
     ("diagnose", &["inverse", "params"]),
     ("evidence", &["inverse", "params"]),
     // 3
-    ("model", &["cohesive", "constitutive", "fem", "input", "inverse", "laws", "mesh", "params"]),
+    (
+        "model",
+        &["cohesive", "constitutive", "experiments", "fem", "input", "inverse", "laws", "mesh", "params"],
+    ),
     // 4
     ("effects", &["cohesive", "constitutive", "input", "model", "params"]),
     ("analysis", &["constitutive", "diagnose", "evidence", "fem", "input", "inverse", "model", "params"]),
@@ -71,12 +76,13 @@ const MAY_SEE: &[(&str, &[&str])] = &[
 /// What tests, benches and examples may see besides: never part of the shipped graph.
 const TESTS_MAY_SEE: &[(&str, &[&str])] = &[
     ("fem", &["hgo", "cohesive"]),
-    ("input", &["laws"]),
-    ("effects", &["hgo", "laws"]),
+    ("input", &["experiments", "laws", "model"]),
+    ("experiments", &["analysis", "effects", "model"]),
+    ("effects", &["experiments", "hgo", "laws", "mesh"]),
     ("fct-cli", &["laws"]),
     ("workbench", &["effects"]),
     ("diagnose", &["params"]),
-    ("analysis", &["effects"]),
+    ("analysis", &["effects", "experiments"]),
     ("model", &["effects"]),
 ];
 

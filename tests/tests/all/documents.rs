@@ -42,6 +42,10 @@ fn the_how_tos_show_the_examples_word_for_word() {
             include_str!("../../../crates/effects/examples/own_laws.rs"),
         ),
         (
+            include_str!("../../../docs/adding-an-experiment.md"),
+            include_str!("../../../crates/effects/examples/own_experiment.rs"),
+        ),
+        (
             include_str!("../../../docs/adding-an-effect.md"),
             include_str!("../../../crates/effects/examples/own_effect.rs"),
         ),

@@ -8,7 +8,6 @@ mod with;
 use crate::identify::AnalysisError;
 use crate::problem::Cancelled;
 use diagnose::{Amplitude, Candidate, ShapeColumns, Side};
-use input::TestKind;
 use inverse::Prediction;
 use model::{BuildError, Catalogue, Discretisation, Effect, Model, RunOptions, Scales, Screening, Sided};
 use nalgebra::DMatrix;
@@ -122,7 +121,7 @@ impl Base<'_> {
                 card.excludes.contains(&a)
                     || self.catalogue.get(a).is_some_and(|e| e.card().excludes.contains(&card.name))
             };
-            let tear = self.model.tests.iter().any(|t| t.test.kind == TestKind::Tearing);
+            let tear = self.model.tests.iter().any(|t| t.test.kind.tears);
             if present.iter().any(|p| p == card.name || excluded(p))
                 || (card.site == model::Site::Interface && !tear)
                 || !self.catalogue.can_act(&**effect, &model::Options::new(), &self.model.case)

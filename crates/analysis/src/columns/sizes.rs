@@ -1,6 +1,5 @@
 //! Sizes of a case, from which starts and shape grids are taken.
 
-use input::TestKind;
 use model::{Model, Scales};
 
 /// Sizes from which starts and shape grids are taken.
@@ -25,7 +24,7 @@ pub fn scales(model: &Model, theta: &[f64]) -> Scales {
         let far = r.displacement.iter().fold(0.0f64, |m, u| m.max(u.abs()));
         s.peak_force = s.peak_force.max(peak);
         s.displacement = s.displacement.max(far);
-        if t.test.kind == TestKind::Uniaxial {
+        if !t.test.kind.tears {
             s.uniaxial_peak = s.uniaxial_peak.max(peak);
             s.uniaxial_displacement = s.uniaxial_displacement.max(far);
         }

@@ -2,7 +2,7 @@
 
 use super::engine::model_of;
 use crate::identify::{AnalysisError, frees};
-use input::{Case, TestKind};
+use input::Case;
 use model::{Catalogue, Model};
 
 /// θ with the strengths of the tear path multiplied.
@@ -47,7 +47,7 @@ pub(super) fn guessed(model: &Model) -> Vec<f64> {
             offered.axes.iter().for_each(|&(i, _)| set(&mut theta, &model.parameters[i].path, tissue[i]));
         }
     }
-    let torn = case.tests.iter().any(|t| t.kind == TestKind::Tearing && t.record.is_some());
+    let torn = case.tests.iter().any(|t| t.kind.tears && t.record.is_some());
     if torn && case.interface.gc_of(0).value.is_none() {
         let (gc, sigma_c) = crate::start::from_record(case);
         for area in 1..=model.areas() {

@@ -56,7 +56,7 @@ impl Program {
         let (top, rate) = (pull.to_mm, faster * pull.rate);
         let to = |share: f64, rate: f64| Leg::Ramp { to_mm: share * top, rate_mm_per_s: rate };
         let mut legs = Vec::new();
-        let tear = pull.kind == TestKind::Tearing;
+        let tear = pull.kind.tears;
         let (first, low, second) = if tear { (0.45, 0.25, 0.65) } else { (0.6, 0.15, 0.85) };
         if loops || holds {
             legs.push(to(first, rate));
@@ -122,9 +122,9 @@ pub(super) fn record(legs: &[Leg], camera: bool, kind: TestKind) -> Record {
     let channel = |wanted: bool| (camera && wanted).then(|| vec![Some(0.0); n]);
     Record {
         force: vec![0.0; n],
-        grip_displacement: channel(true),
-        tear_front: channel(kind == TestKind::Tearing),
-        width_change: channel(kind == TestKind::Uniaxial),
+        grip_displacement: channel(kind.measures("grip_displacement")),
+        tear_front: channel(kind.measures("tear_front")),
+        width_change: channel(kind.measures("width_change")),
         time,
         displacement,
         ..Record::default()
@@ -134,34 +134,39 @@ pub(super) fn record(legs: &[Leg], camera: bool, kind: TestKind) -> Record {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use input::ExperimentRegistry;
 
-    const PULLS: [Pull; 2] = [
-        Pull { kind: TestKind::Uniaxial, to_mm: 2.0, rate: 0.02 },
-        Pull { kind: TestKind::Tearing, to_mm: 5.0, rate: 0.02 },
-    ];
+    fn pulls() -> [Pull; 2] {
+        let kinds = experiments::registry().kinds();
+        let pull = |name: &str, to_mm| {
+            let kind = kinds.iter().copied().find(|k| k.word() == name).expect("in the registry");
+            Pull { kind, to_mm, rate: 0.02 }
+        };
+        [pull("uniaxial", 2.0), pull("tearing", 5.0)]
+    }
 
     #[test]
     fn a_program_keeps_to_its_budget_or_is_left_out() {
         for program in PROGRAMS {
             for budget in [30.0, 120.0, 900.0, 3600.0] {
-                if let Some(legs) = program.within(&PULLS, budget) {
+                if let Some(legs) = program.within(&pulls(), budget) {
                     assert!(legs.iter().map(|l| seconds(l)).sum::<f64>() <= budget, "{}", program.name);
                 }
             }
-            assert!(program.within(&PULLS, 3600.0).is_some() && program.within(&PULLS, 1.0).is_none());
+            assert!(program.within(&pulls(), 3600.0).is_some() && program.within(&pulls(), 1.0).is_none());
         }
     }
 
     #[test]
     fn a_planned_record_ends_each_leg_exactly() {
-        let legs = PROGRAMS[4].within(&PULLS, 3600.0).unwrap_or_default();
-        for (l, pull) in legs.iter().zip(PULLS) {
+        let legs = PROGRAMS[4].within(&pulls(), 3600.0).unwrap_or_default();
+        for (l, pull) in legs.iter().zip(pulls()) {
             let r = record(l, true, pull.kind);
             assert!(r.time.windows(2).all(|w| w[1] > w[0]));
             assert!((r.time[r.len() - 1] - seconds(l)).abs() < 1e-9 * seconds(l));
             assert!(r.displacement.contains(&pull.to_mm));
             assert_eq!(model::corners_of_record(&r).len(), l.len() + 1);
-            assert_eq!(r.tear_front.is_some(), pull.kind == TestKind::Tearing);
+            assert_eq!(r.tear_front.is_some(), pull.kind.tears);
         }
     }
 }

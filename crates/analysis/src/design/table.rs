@@ -10,17 +10,16 @@ use crate::identify::AnalysisError;
 use crate::ladder::next_test::extension::{self, Extension};
 use crate::problem::{Cancelled, FeProblem};
 use diagnose::Policy;
-use input::{Case, Leg, Record, TestKind};
+use input::{Case, Leg, Record};
 use inverse::Problem as _;
 use model::{Catalogue, Channel, Discretisation, Model};
 use std::sync::Arc;
 
-/// Pull of a strip that the file says nothing about, as a share of its length, and the rate per second.
-const STRETCH: f64 = 0.35;
+/// Rate of a pull that the file says nothing about, lengths per second.
 const RATE: f64 = 0.01;
-/// A tear is followed to where the force has fallen to this share of its peak, at most this many lengths.
+/// A tear is followed to where the force has fallen to this share of its peak, at most as far as the
+/// experiment usually goes.
 const FALLEN: f64 = 0.25;
-const FARTHEST: f64 = 2.0;
 /// Noise of a load cell that nothing is known of, as a share of the peak; and of cameras, mm.
 const NOISE: f64 = 0.005;
 const CAMERA_SD: f64 = 0.01;
@@ -69,8 +68,8 @@ impl Table<'_> {
                 _ => (None, None),
             };
             let kind = test.kind;
-            let default = if kind == TestKind::Tearing { FARTHEST } else { STRETCH } * g.length;
-            open.push(to.is_none() && kind == TestKind::Tearing);
+            let default = (kind.farthest)(g);
+            open.push(to.is_none() && kind.tears);
             pulls.push(Pull { kind, to_mm: to.unwrap_or(default), rate: rate.unwrap_or(RATE * g.length) });
         }
         let legs: Vec<Vec<Leg>> =
@@ -238,11 +237,10 @@ impl Table<'_> {
                 ));
             }
         }
-        let kinds = |k: TestKind| self.case.tests.iter().any(|t| t.kind == k);
-        if !kinds(TestKind::Tearing) {
+        if !self.case.tests.iter().any(|t| t.kind.tears) {
             out.push("no tearing test: toughness and strength are not measured".into());
         }
-        if !kinds(TestKind::Uniaxial) {
+        if self.case.tests.iter().all(|t| t.kind.tears) {
             out.push("no uniaxial test: the tissue is told by the tear alone".into());
         }
         out

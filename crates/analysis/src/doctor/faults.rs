@@ -3,7 +3,7 @@
 //! Each is judged by what no torn strip of soft tissue does. Limits are wide: a doubt that is wrong costs a reader trust.
 
 use super::{Advice, RecordFindings};
-use input::{Geometry, Grips, Record, Test, TestKind};
+use input::{Geometry, Grips, Record, Test};
 
 /// Nominal stresses at the peak of soft tissue, MPa: below and above, the force has another unit.
 const STRESS: [f64; 2] = [2e-3, 150.0];
@@ -155,11 +155,16 @@ fn force_sign(r: &Record) -> Option<Advice> {
     )
 }
 
+/// Whether force over section is a stress, and travel over length a strain.
+fn pulled_whole(test: &Test) -> bool {
+    test.kind.whole_section && test.grips == Grips::Ends
+}
+
 fn force_unit(test: &Test, g: &Geometry, f: &RecordFindings) -> Option<Advice> {
-    let width = if test.kind == TestKind::Tearing { g.width - g.cut } else { g.width };
+    let width = if test.kind.tears { g.width - g.cut } else { g.width };
     let stress = f.peak_n / (width * g.thickness);
     let [least, most] = STRESS;
-    if test.grips == Grips::Mouth || !stress.is_finite() || (least..=most).contains(&stress) {
+    if !pulled_whole(test) || !stress.is_finite() || (least..=most).contains(&stress) {
         return None;
     }
     let (word, header) = if stress < least { ("small", "force_kN") } else { ("large", "force_mN") };
@@ -176,7 +181,7 @@ fn displacement_unit(test: &Test, r: &Record, g: &Geometry) -> Option<Advice> {
     let (low, high) = extremes(&r.displacement);
     let strain = high.max(-low) / g.length;
     let [least, most] = STRAIN;
-    if test.grips == Grips::Mouth || !strain.is_finite() || (least..=most).contains(&strain) {
+    if !pulled_whole(test) || !strain.is_finite() || (least..=most).contains(&strain) {
         return None;
     }
     let (travel, header) = if strain < least {
@@ -234,23 +239,26 @@ fn clipped(r: &Record) -> Option<Advice> {
 }
 
 fn no_tear(test: &Test, f: &RecordFindings) -> Option<Advice> {
-    if test.kind != TestKind::Tearing || f.tears {
+    if !test.kind.tears || f.tears {
         return None;
     }
     say(
         "no_tear",
-        "the tearing test ends before the force has fallen".into(),
+        format!("the {} test ends before the force has fallen", test.kind.word()),
         "pull on until the strip is torn: without the fall toughness and strength are guesses",
     )
 }
 
 fn torn_uniaxial(test: &Test, f: &RecordFindings) -> Option<Advice> {
-    if test.kind != TestKind::Uniaxial || !f.tears {
+    if test.kind.tears || !f.tears {
         return None;
     }
     say(
         "torn_uniaxial",
-        "the force of the uniaxial test falls while the pull goes on: the strip tore or slipped in its clamps".into(),
+        format!(
+            "the force of the {} test falls while the pull goes on: the strip tore or slipped in its clamps",
+            test.kind.word()
+        ),
         "end the record at its peak, or call the test `kind = \"tearing\"` if it has a cut",
     )
 }

@@ -3,7 +3,6 @@
 
 use super::{AnalysisError, Work};
 use crate::data::Measured;
-use input::TestKind;
 use inverse::{
     Data, Fit, Free, Held, Identifiability, Objective, Uncertainty, staged_uncertainty, uncertainty,
 };
@@ -23,8 +22,8 @@ impl Work<'_> {
     ) -> Result<Uncertainty, AnalysisError> {
         let bulk: Vec<usize> = (0..free.len()).filter(|&k| model.site_of(free[k]) == Site::Bulk).collect();
         let rest: Vec<usize> = (0..free.len()).filter(|&k| model.site_of(free[k]) != Site::Bulk).collect();
-        let first = part(model, measured, fit, free, &bulk, TestKind::Uniaxial);
-        let second = part(model, measured, fit, free, &rest, TestKind::Tearing);
+        let first = part(model, measured, fit, free, &bulk, false);
+        let second = part(model, measured, fit, free, &rest, true);
         let first_u = uncertainty(&first.data, &first.frees, &first.fit, rule)?;
         // What the uniaxial test leaves open is not boundless: the literature's spread closes it
         // before it is handed on to the interface.
@@ -62,12 +61,12 @@ fn part(
     whole: &Fit,
     free: &[usize],
     columns: &[usize],
-    kind: TestKind,
+    tears: bool,
 ) -> Part {
     let mut rows = Vec::new();
     let mut blocks = Vec::new();
     for (block, slot) in measured.data.blocks.iter().zip(&measured.slots) {
-        if model.tests[slot.test].test.kind == kind {
+        if model.tests[slot.test].test.kind.tears == tears {
             let start = rows.len();
             rows.extend(block.range.clone());
             blocks.push(inverse::Block { range: start..rows.len(), ..block.clone() });

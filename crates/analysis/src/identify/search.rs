@@ -3,7 +3,7 @@
 use super::work::Work;
 use super::{AnalysisError, Stage};
 use crate::cost::Phase;
-use input::{Case, Mode, TestKind};
+use input::{Case, Mode};
 use inverse::{FitError, PredictError};
 use model::{Catalogue, Model, Site};
 use std::sync::Arc;
@@ -16,14 +16,13 @@ pub(crate) type StagePlan = (Stage, Vec<usize>, Vec<bool>);
 
 /// The stages of a case: which parameters on which tests.
 pub(crate) fn stages(model: &Model, mode: Mode) -> Vec<StagePlan> {
-    let has = |k: TestKind| model.tests.iter().any(|t| t.test.kind == k && t.test.record.is_some());
-    let (uniaxial, tearing) = (has(TestKind::Uniaxial), has(TestKind::Tearing));
     let all = model.recorded();
-    let only = |k: TestKind| -> Vec<bool> {
-        model.tests.iter().map(|t| t.test.kind == k && t.test.record.is_some()).collect()
+    let only = |tears: bool| -> Vec<bool> {
+        model.tests.iter().map(|t| t.test.kind.tears == tears && t.test.record.is_some()).collect()
     };
+    let (intact, torn) = (only(false), only(true));
     let free = model.free();
-    if !(uniaxial && tearing) {
+    if !(intact.contains(&true) && torn.contains(&true)) {
         return vec![(Stage::Joint, free, all)];
     }
     let (bulk, rest) = (model.free_on(Site::Bulk), model.free_on(Site::Interface));
@@ -31,10 +30,7 @@ pub(crate) fn stages(model: &Model, mode: Mode) -> Vec<StagePlan> {
     // than the intact strip does. They have no stage of their own.
     let everywhere = |&i: &usize| model.is_of_effect(i) && model.site_of(i) != Site::Interface;
     let joint = mode == Mode::Joint || free.iter().any(everywhere);
-    let mut out = vec![
-        (Stage::Bulk, bulk, only(TestKind::Uniaxial)),
-        (Stage::Interface, rest, only(TestKind::Tearing)),
-    ];
+    let mut out = vec![(Stage::Bulk, bulk, intact), (Stage::Interface, rest, torn)];
     if joint {
         out.push((Stage::Joint, free, all));
     }

@@ -4,7 +4,7 @@ use super::{AnalysisError, Control, HistoryEntry, Progress, Stage};
 use crate::data::Measured;
 use crate::journal::{Asked, remembered};
 use crate::problem::FeProblem;
-use input::{Case, TestKind};
+use input::Case;
 use inverse::{Fit, FitOptions, Free, Iterate, MappedOptions, MultiStart, Objective};
 use model::{Channel, Model, RunOptions};
 use std::ops::ControlFlow;
@@ -82,7 +82,7 @@ impl TearMisfit {
         let misfit = measured.data.misfit(&fit.prediction.values);
         let mut left = Self::default();
         for (slot, block) in measured.slots.iter().zip(&measured.data.blocks) {
-            if model.tests[slot.test].test.kind == TestKind::Tearing && slot.channel == Channel::Force {
+            if model.tests[slot.test].test.kind.tears && slot.channel == Channel::Force {
                 let own = |i: usize| (misfit[i] / block.noise.sd_of(i - block.range.start)).powi(2);
                 let used = || block.range.clone().filter(|&i| measured.data.is_used(i));
                 left.chi2 += used().map(own).sum::<f64>();

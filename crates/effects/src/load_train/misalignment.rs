@@ -17,7 +17,7 @@ static CARD: Card = Card {
     separated_by: "the force at zero displacement (records are not tared), or the same strip mounted the other way round",
     excludes: &[],
     // In the intact strip ±θ do the same and the first derivative vanishes; the tear tells the signs apart.
-    needs: &["tearing"],
+    needs: &["tearing", "clamped ends"],
     screening: Screening::Score(Sided::Both),
     negative_control: false,
     breaks_half_height: true,

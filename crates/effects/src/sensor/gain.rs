@@ -1,7 +1,7 @@
 //! A load cell that reads one test larger than the other.
 
-use crate::settings::{choice, word};
-use input::{OptionSpec, TestKind};
+use crate::settings::{kind, word};
+use input::OptionSpec;
 use model::{Action, Card, Effect, Options, Piece, Reading, Sample, Scales, Screening, Sensor, Sided, Site};
 use params::{ParamSpec, Quantity};
 use std::sync::Arc;
@@ -39,7 +39,7 @@ impl Effect for Gain {
     }
 
     fn options(&self) -> Vec<OptionSpec> {
-        vec![choice("test_kind", &["tearing", "uniaxial"], "kind of the tests whose force is off")]
+        vec![kind("test_kind", "tearing", "kind of the tests whose force is off")]
     }
 
     fn shapes(&self, _scales: &Scales) -> Vec<Vec<f64>> {
@@ -51,21 +51,18 @@ impl Effect for Gain {
     }
 
     fn act(&self, options: &Options, _piece: &Piece) -> Action {
-        let kind = match word(options, "test_kind", "tearing") {
-            "uniaxial" => TestKind::Uniaxial,
-            _ => TestKind::Tearing,
-        };
-        Action::Sensor(Arc::new(Calibration { kind }))
+        Action::Sensor(Arc::new(Calibration { kind: word(options, "test_kind", "tearing").to_owned() }))
     }
 }
 
 struct Calibration {
-    kind: TestKind,
+    /// Name of the experiment.
+    kind: String,
 }
 
 impl Sensor for Calibration {
     fn reading(&self, at: &Sample, force: f64, params: &[f64]) -> Reading {
-        if at.kind != self.kind {
+        if at.kind.word() != self.kind {
             return Reading { value: force, slope: 1.0, by_param: vec![0.0] };
         }
         let slope = 1.0 + params[0];

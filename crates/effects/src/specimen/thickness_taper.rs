@@ -17,7 +17,7 @@ static CARD: Card = Card {
     separated_by: "a thickness profile (calliper, microscope), or a camera on the tear (tear_front_mm)",
     excludes: &[],
     // In the intact strip ±a do the same and the first derivative vanishes; the tear tells the signs apart.
-    needs: &["tearing"],
+    needs: &["tearing", "a flat sheet"],
     screening: Screening::Score(Sided::Both),
     negative_control: false,
     breaks_half_height: false,

@@ -6,7 +6,7 @@ use crate::battery;
 
 use battery::*;
 use constitutive::{Context, Jet, Law, PointLaw};
-use input::{EffectRegistry, TestKind};
+use input::{EffectRegistry, ExperimentRegistry};
 use model::{Action, Effect, Options, Sample, Screening};
 use std::sync::Arc;
 
@@ -110,8 +110,9 @@ fn slack_begins_at_zero_rises_always_and_ends_in_the_dead_travel() {
 }
 
 fn samples() -> Vec<Sample> {
-    [(TestKind::Uniaxial, 0usize), (TestKind::Tearing, 1)]
-        .into_iter()
+    let kinds = experiments::registry().kinds();
+    (0..2usize)
+        .map(|i| (kinds[i], i))
         .flat_map(|(kind, test)| {
             [0.0, 3.0, 250.0].map(|time| Sample {
                 time,

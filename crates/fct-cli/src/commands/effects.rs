@@ -24,10 +24,13 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     match &arguments.name {
         Some(name) => {
             let effect = find(session, name)?;
-            Outcome::new(&json!({ "schema": SCHEMA, "effect": card_json(effect) }), card_text(effect, style))
+            Outcome::new(
+                &json!({ "schema": SCHEMA, "effect": card_json(session, effect) }),
+                card_text(session, effect, style),
+            )
         }
         None => {
-            let list: Vec<Value> = session.catalogue.iter().map(|e| card_json(&**e)).collect();
+            let list: Vec<Value> = session.catalogue.iter().map(|e| card_json(session, &**e)).collect();
             let mut text = String::new();
             let mut site = None;
             for e in session.catalogue.iter() {
@@ -62,17 +65,17 @@ pub fn find<'a>(session: &'a Session, name: &str) -> Result<&'a dyn Effect, Fail
     Err(Failure::usage(format!("fct: unknown effect `{name}`; {hint}")))
 }
 
-fn card_json(e: &dyn Effect) -> Value {
+fn card_json(session: &Session, e: &dyn Effect) -> Value {
     let c = e.card();
     json!({
         "name": c.name, "site": c.site.word(), "summary": c.summary, "law": c.law, "reference": c.reference,
         "shows_in": c.shows_in, "look_alikes": c.look_alikes, "separated_by": c.separated_by, "excludes": c.excludes,
-        "needs": c.needs, "negative_control": c.negative_control,
+        "needs": c.needs, "experiments": session.catalogue.shown_in(e), "negative_control": c.negative_control,
         "parameters": e.parameters(&Options::new()), "options": e.options(),
     })
 }
 
-fn card_text(e: &dyn Effect, style: Style) -> String {
+fn card_text(session: &Session, e: &dyn Effect, style: Style) -> String {
     let c: &Card = e.card();
     let mut out =
         format!("{} ({})\n{}\n\n", style.bold(c.name), c.site.word(), wrap(c.summary, style.width, 0));
@@ -83,6 +86,7 @@ fn card_text(e: &dyn Effect, style: Style) -> String {
     };
     line("law", c.law);
     line("shows in", &c.shows_in.join(", "));
+    line("experiments", &session.catalogue.shown_in(e).join(", "));
     line("looks like", &c.look_alikes.join(", "));
     line("separated by", c.separated_by);
     line("excludes", &c.excludes.join(", "));

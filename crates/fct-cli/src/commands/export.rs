@@ -7,7 +7,7 @@ use ::report::answer::SCHEMA;
 use ::report::export::{Exported, Program, deck};
 use ::report::write_named;
 use analysis::{SimulateControl, simulate};
-use input::{Case, Ends, Leg, Test, TestKind};
+use input::{Case, Ends, ExperimentRegistry, Leg, Test};
 use model::cost::Purpose;
 use model::{Discretisation, Model};
 use serde_json::json;
@@ -136,11 +136,12 @@ fn exported(case: Case, run: &StoredRun, session: &Session) -> Result<Exported, 
 /// Force at stretches up to 1.2 on a cube of 1 mm that may contract freely.
 fn forces(mut case: Case, session: &Session) -> Result<Vec<[f64; 2]>, Failure> {
     let Some(first) = case.tests.first().cloned() else { return Ok(Vec::new()) };
+    let Some(kind) = session.catalogue.kind("uniaxial") else { return Ok(Vec::new()) };
     case.geometry = input::Geometry { length: 1.0, width: 1.0, thickness: 1.0, ..Default::default() };
     let pull = Leg::Ramp { to_mm: 0.2, rate_mm_per_s: 0.01 };
     case.tests = vec![Test {
         name: "cube".into(),
-        kind: TestKind::Uniaxial,
+        kind,
         ends: Ends::Sliding,
         grips: input::Grips::Ends,
         record: None,

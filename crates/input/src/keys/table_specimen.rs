@@ -91,9 +91,9 @@ pub(super) fn tests(b: &mut Builder) {
         )
         .key(
             "kind",
-            choice(&["uniaxial", "tearing"]),
+            Kind::Text,
             Fallback::Required,
-            "intact strip, or strip with the cut and the tear path",
+            "the experiment: `uniaxial` (intact strip), `tearing` (strip with the cut and the tear path), or another of the registry",
         )
         .key("data", Kind::File, absent("`protocol` is needed"), "the record, a CSV file")
         .key(

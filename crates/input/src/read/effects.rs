@@ -118,7 +118,7 @@ pub(crate) fn option_key(section: Cow<'static, str>, option: &OptionSpec) -> Key
             Kind::Number { quantity: Quantity::Dimensionless, limits: Limits::within(*min, *max) }
         }
         OptionKind::Choice(words) => Kind::Choice { words: words.clone() },
-        OptionKind::Test | OptionKind::Text => Kind::Text,
+        OptionKind::Test | OptionKind::TestKind | OptionKind::Text => Kind::Text,
     };
     let default = match &option.default {
         None => Fallback::Absent("none".into()),
@@ -148,6 +148,10 @@ pub(crate) fn option(s: &Section<'_>, option: &OptionSpec, tests: &[Test]) -> Op
         OptionKind::Number { .. } => s.optional_number(name).map(OptionValue::Number),
         OptionKind::Choice(words) => {
             scalar::choice(context, name, item, words).map(|i| OptionValue::Text(words[i].clone()))
+        }
+        OptionKind::TestKind => {
+            let words: Vec<String> = context.kinds.iter().map(|k| k.word().to_owned()).collect();
+            scalar::choice(context, name, item, &words).map(|i| OptionValue::Text(words[i].clone()))
         }
         OptionKind::Text => s.text(name).map(|t| OptionValue::Text(t.to_owned())),
         OptionKind::Test => {

@@ -79,7 +79,8 @@ fn read(path: &Path, reading: Reading<'_>, registry: &dyn EffectRegistry, sink: 
     }
     let document = parse(&file, sink)?;
     let laws = every_law_key(registry);
-    let context = Context { file: &file, sink, laws: &laws };
+    let kinds = registry.kinds();
+    let context = Context { file: &file, sink, laws: &laws, kinds: &kinds };
     let top = Section::open(context, "the file", 0..0, document.get_ref(), keys::of(""));
     let measured = match (reading.specimen, top.entry("specimen")) {
         (Some(given), _) => pointed(&top, Some(given))?,
@@ -166,6 +167,7 @@ fn inline(top: &Section<'_>) -> (Measured, PathBuf) {
     }
     let geometry = specimen::geometry(top);
     let tests = tests::tests(top, &geometry);
+    specimen::check_fit(top, &geometry, &tests);
     (Measured { name: None, provenance: None, geometry, tests }, path)
 }
 

@@ -2,6 +2,7 @@
 
 use super::scalar::{self, Item};
 use crate::diagnostics::{Report, Sink};
+use crate::experiment::TestKind;
 use crate::keys::{Fallback, Key, Kind, Speller};
 use crate::text::{SourceFile, short};
 use std::ops::Range;
@@ -14,6 +15,8 @@ pub(crate) struct Context<'a> {
     pub sink: &'a Sink,
     /// The keys of every law of the registry.
     pub laws: &'a [Key],
+    /// The experiments of the registry.
+    pub kinds: &'a [TestKind],
 }
 
 impl Context<'_> {

@@ -2,9 +2,10 @@
 
 use super::scalar::{self, Item};
 use super::section::{Context, Section};
-use crate::case::Geometry;
+use crate::case::{Geometry, Test};
 use crate::csv;
 use crate::diagnostics::Report;
+use crate::experiment::Layout;
 use crate::keys::{self, plain};
 use crate::text::{short, visible};
 use std::ops::Range;
@@ -79,28 +80,48 @@ pub(crate) fn geometry(top: &Section<'_>) -> Geometry {
         outline: rows::<3>(&s, "outline"),
         thickness_profile: rows::<2>(&s, "thickness_profile"),
     };
-    if geometry.cut >= geometry.width {
-        let (cut, width) = (s.spelling("cut"), s.spelling("width"));
-        let message = format!(
-            "`{cut}` is {} mm, but the width is {} mm (`{width}`); expected a cut shorter than the width",
-            plain(geometry.cut),
-            plain(geometry.width)
-        );
-        s.fault("cut", message);
-    }
-    if let Some(y) = geometry.path_y
-        && y >= geometry.length
-    {
-        let message = format!(
-            "`path_y` is {} mm; expected less than the length, {} mm",
-            plain(y),
-            plain(geometry.length)
-        );
-        s.fault("path_y", message);
-    }
     check_outline(&s, &geometry);
     check_thickness(&s, &geometry);
     geometry
+}
+
+/// Whether the cut ends inside the piece and the tear path lies in it, for the ways the tests lay it.
+pub(crate) fn check_fit(top: &Section<'_>, geometry: &Geometry, tests: &[Test]) {
+    let s = subsection(top, "geometry");
+    // What is wrong with the keys themselves was said when they were read.
+    let split = tests.iter().any(|t| t.kind.layout == Layout::Split);
+    let layout = if split { Layout::Split } else { Layout::Sheet };
+    let ([across, along, _], [x, y, _]) = (layout.extents(geometry), layout.keys());
+    if geometry.cut >= across {
+        let (cut, spelt) = (s.spelling("cut"), s.spelling(x));
+        let message = format!(
+            "`{cut}` is {} mm, but the {x} is {} mm (`{spelt}`); expected a cut shorter than the {x}",
+            plain(geometry.cut),
+            plain(across)
+        );
+        s.fault("cut", message);
+    }
+    if let Some(at) = geometry.path_y
+        && at >= along
+    {
+        let message =
+            format!("`path_y` is {} mm; expected less than the {y}, {} mm", plain(at), plain(along));
+        s.fault("path_y", message);
+    }
+    for test in tests.iter().filter(|t| !t.kind.shaped) {
+        for (key, given) in [
+            ("outline", geometry.outline.is_some()),
+            ("thickness_profile", geometry.thickness_profile.is_some()),
+        ] {
+            if given {
+                let word = test.kind.word();
+                s.fault(
+                    key,
+                    format!("`{key}`: a `{word}` test takes a piece that is a rectangle, of one thickness"),
+                );
+            }
+        }
+    }
 }
 
 /// A CSV file, or rows written in place.

@@ -4,9 +4,10 @@ use super::noise::check_noise;
 use super::scalar;
 use super::section::{Context, Section};
 use super::specimen::{checked_name, linked, resolve};
-use crate::case::{Ends, Geometry, Grips, Leg, Record, Test, TestKind, Weight};
+use crate::case::{Ends, Geometry, Grips, Leg, Record, Test, Weight};
 use crate::csv;
 use crate::diagnostics::Report;
+use crate::experiment::TestKind;
 use crate::keys::{self, plain};
 use std::ops::Range;
 use toml::de::DeValue;
@@ -44,18 +45,19 @@ pub(crate) fn tests(top: &Section<'_>, geometry: &Geometry) -> Vec<Test> {
         };
         let section = Section::open(context, title, item.span(), table, keys::of("tests"));
         named.push((checked_name(&section), section.span_of("name")));
-        out.push(test(&section, geometry));
+        out.extend(test(&section, geometry));
     }
     name_all(context, &mut out, &named);
     out
 }
 
-fn test(s: &Section<'_>, geometry: &Geometry) -> Test {
+fn test(s: &Section<'_>, geometry: &Geometry) -> Option<Test> {
+    let kind = kind(s)?;
     let test = Test {
         name: String::new(),
-        kind: [TestKind::Uniaxial, TestKind::Tearing][s.choice("kind")],
-        ends: [Ends::Clamped, Ends::Sliding][s.choice("ends")],
-        grips: [Grips::Ends, Grips::Mouth][s.choice("grips")],
+        kind,
+        ends: offered(s, "ends", kind, &[Ends::Clamped, Ends::Sliding], kind.ends),
+        grips: offered(s, "grips", kind, &[Grips::Ends, Grips::Mouth], kind.grips),
         record: record(s),
         protocol: protocol(s),
         rest_s: s.optional_number("rest"),
@@ -84,7 +86,40 @@ fn test(s: &Section<'_>, geometry: &Geometry) -> Test {
         check_noise(s, &test, record);
         check_weights(s, &test, record);
     }
-    test
+    Some(test)
+}
+
+/// The experiment; after a fault the first, so that the rest of the test is checked too.
+fn kind(s: &Section<'_>) -> Option<TestKind> {
+    let kinds = s.context.kinds;
+    let words: Vec<String> = kinds.iter().map(|k| k.word().to_owned()).collect();
+    let found = match s.entry("kind") {
+        Some(e) => scalar::choice(s.context, e.written, e.item, &words).unwrap_or(0),
+        None => {
+            s.missing("kind");
+            0
+        }
+    };
+    kinds.get(found).copied()
+}
+
+/// One of a key's values, `all` in the order of its words, if the experiment offers it; its own default without the key.
+fn offered<T: Copy + PartialEq + Default>(
+    s: &Section<'_>,
+    key: &str,
+    kind: TestKind,
+    all: &[T],
+    offers: &[T],
+) -> T {
+    let default = offers.first().copied().unwrap_or_default();
+    let Some(entry) = s.entry(key) else { return default };
+    let given = all.get(s.choice(key)).copied().unwrap_or_default();
+    if offers.contains(&given) {
+        return given;
+    }
+    let report = Report::error(format!("`{key}`: a `{}` test is held in one way only", kind.word()));
+    s.context.report(report.key(key).help("leave the key out"), entry.item.span());
+    default
 }
 
 fn record(s: &Section<'_>) -> Option<Record> {
@@ -104,14 +139,20 @@ fn check_channels(s: &Section<'_>, test: &Test, record: &Record, geometry: &Geom
         let span = s.entry("data").map_or(s.span.clone(), |e| e.item.span());
         s.context.report(Report::warning(message).key("data"), span);
     };
-    if test.kind == TestKind::Tearing && record.width_change.is_some() {
-        warn("column `width_change_mm` of a tearing test is not used: it is for uniaxial tests".to_owned());
+    let word = test.kind.word();
+    let unused = |channel: &str, given: bool| given && !test.kind.measures(channel);
+    if unused("width_change", record.width_change.is_some()) {
+        warn(format!("column `width_change_mm` of a {word} test is not used: it is for uniaxial tests"));
     }
-    if test.kind == TestKind::Uniaxial && record.tear_front.is_some() {
-        warn("column `tear_front_mm` of a uniaxial test is not used: nothing tears".to_owned());
+    if unused("tear_front", record.tear_front.is_some()) {
+        let why = if test.kind.tears { "it is not measured there" } else { "nothing tears" };
+        warn(format!("column `tear_front_mm` of a {word} test is not used: {why}"));
+    }
+    if unused("grip_displacement", record.grip_displacement.is_some()) {
+        warn(format!("column `grip_displacement_mm` of a {word} test is not used: it is not measured there"));
     }
     let travel = record.displacement.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
-    if test.grips == Grips::Ends && travel > 20.0 * geometry.length {
+    if test.kind.whole_section && test.grips == Grips::Ends && travel > 20.0 * geometry.length {
         let (travel, length) = (plain(travel), plain(geometry.length));
         warn(format!("the record moves {travel} mm on a length of {length} mm; are the units right?"));
     }

@@ -4,8 +4,8 @@ use crate::common;
 
 use common::{Catalogue, STRIP};
 use input::{
-    Case, Control, Diagnostics, Ends, Grips, Leg, Mode, OptionValue, Symmetry, TestKind, Value, keys,
-    read_case, resolved_toml, resolved_toml_with,
+    Case, Control, Diagnostics, Ends, Grips, Leg, Mode, OptionValue, Symmetry, Value, keys, read_case,
+    resolved_toml, resolved_toml_with,
 };
 use std::fs;
 use std::path::PathBuf;
@@ -38,7 +38,7 @@ fn a_specimen_alone_has_every_default() {
     assert_eq!((case.geometry.length, case.geometry.width, case.geometry.cut), (10.0, 6.0, 1.0));
     assert_eq!(case.tests.iter().map(|t| t.name.as_str()).collect::<Vec<_>>(), ["uniaxial", "tearing"]);
     let test = &case.tests[0];
-    assert_eq!((test.kind, test.ends, test.grips), (TestKind::Uniaxial, Ends::Clamped, Grips::Ends));
+    assert_eq!((test.kind.word(), test.ends, test.grips), ("uniaxial", Ends::Clamped, Grips::Ends));
     assert!(test.remount && !test.fresh_piece && test.rest_s.is_none() && test.record.is_none());
     let legs = [Leg::Ramp { to_mm: 2.0, rate_mm_per_s: 0.05 }, Leg::Hold { hold_s: 60.0 }];
     assert_eq!(test.protocol.as_deref(), Some(&legs[..]));

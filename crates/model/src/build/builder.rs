@@ -1,11 +1,12 @@
 //! Parameters, composed laws and effects of a case, and the model of each test made from them.
 
-use super::supports::{strip_of, supports};
+use super::turned::turned;
 use super::{Active, BaseLaws, BuildError, Discretisation, TestModel};
-use crate::catalogue::Catalogue;
+use crate::catalogue::{Catalogue, FLAT_SHEET};
 use crate::effect::{Action, Bulk, Interface, Piece};
+use experiments::{Experiment, Setting};
 use fem::{Blend, Body, Link, Path, Problem};
-use input::{Case, Profile, Test, TestKind, Value};
+use input::{Case, Geometry, Layout, Profile, Test, Value};
 use mesh::Mesh;
 use params::{ParamPath, ParamSpec, Parameter};
 use std::sync::{Arc, Mutex};
@@ -38,7 +39,7 @@ impl Builder {
         let bulk_params = (0..parameters.len()).collect();
         let i = &case.interface;
         let interface = law_of("interface", &i.law, catalogue.laws().interface(&i.law))?.law(&i.options);
-        let has_path = case.tests.iter().any(|t| t.kind == TestKind::Tearing);
+        let has_path = case.tests.iter().any(|t| t.kind.tears);
         let (mut gc, mut sigma_c, mut rest) = (0, 0, Vec::new());
         if has_path {
             let specs = interface.parameters();
@@ -58,11 +59,10 @@ impl Builder {
                 parameters.push(parameter(format!("interface.{}", spec.name), spec, &value));
             }
         }
-        let g = &case.geometry;
         let mut builder = Self {
             parameters,
             active: Vec::new(),
-            piece: Piece { length: g.length, width: g.width, thickness: g.thickness, cut: g.cut },
+            piece: piece_of(&case.geometry, Layout::Sheet),
             base: BaseLaws {
                 mirrors: bulk.offers().bulk.is_none_or(|b| b.mirrors),
                 bulk: bulk.clone(),
@@ -85,6 +85,18 @@ impl Builder {
     pub(super) fn half_height(&self, how: Discretisation) -> bool {
         let whole = |a: &Active| !a.idle && a.effect.card().breaks_half_height;
         self.base.mirrors && (how.neutral_halves || !self.active.iter().any(whole))
+    }
+
+    /// What an experiment may look at when it says what is meshed.
+    pub(super) fn setting<'a>(
+        &self,
+        case: &'a Case,
+        test: &'a Test,
+        half_height: bool,
+        how: Discretisation,
+    ) -> Setting<'a> {
+        let mirrors = self.base.mirrors;
+        Setting { case, test, half_height, mirrors, split: how.split, coarsen: how.coarsen }
     }
 
     /// Entries of the bulk's history at a point.
@@ -149,24 +161,29 @@ impl Builder {
     pub(super) fn test(
         &mut self,
         case: &Case,
+        catalogue: &Catalogue,
         test: &Test,
         index: usize,
         half_height: bool,
         how: Discretisation,
     ) -> Result<TestModel, BuildError> {
-        let mesh = strip_of(case, test, half_height, how)
+        let experiment = experiment_of(catalogue, test)?;
+        let mesh = experiment
+            .strip(&self.setting(case, test, half_height, how))
             .and_then(|strip| mesh::strip(&strip))
             .map_err(|source| BuildError::mesh(case, &test.name, source))?;
         let body = Arc::new(Body::of(&mesh));
-        let supports = supports(&mesh, test)?;
+        let supports = experiment.supports(&mesh, test).map_err(|fault| {
+            BuildError::Case(format!("test {}: the mesh has no `{}`", test.name, fault.set))
+        })?;
         let multiplicity =
             if mesh.half_height { 2.0 } else { 1.0 } * if mesh.half_thickness { 2.0 } else { 1.0 };
-        let path = (test.kind == TestKind::Tearing).then(|| self.path(case, &mesh, &body));
+        let path = test.kind.tears.then(|| self.path(case, &mesh, &body));
         let mut template = Problem {
             body,
             supports: Arc::new(supports),
             multiplicity,
-            bulk: self.bulk.clone(),
+            bulk: turned(&self.bulk, test.kind.layout),
             bulk_params: self.bulk_params.clone(),
             path,
             train: Vec::new(),
@@ -174,9 +191,12 @@ impl Builder {
             shape: Vec::new(),
             mount: Vec::new(),
         };
+        let (piece, flat) = (piece_of(&case.geometry, test.kind.layout), test.kind.layout == Layout::Sheet);
         let (mut shapes, mut mounts, mut sensors) = (Vec::new(), Vec::new(), Vec::new());
         for a in self.active.iter().filter(|a| !a.idle) {
-            match a.effect.act(&a.options, &self.piece) {
+            match a.effect.act(&a.options, &piece) {
+                Action::Mount(_) if !test.kind.clamped_faces => {}
+                Action::Shape(_) if !flat && a.effect.card().needs.contains(&FLAT_SHEET) => {}
                 Action::Train(law) => template.train.push(Link { law, params: a.params.clone() }),
                 Action::TakeUp(law) => template.takeup.push(Link { law, params: a.params.clone() }),
                 Action::Shape(s) => shapes.push((s, a.params.clone())),
@@ -229,6 +249,23 @@ impl Builder {
         }
         Path { law: self.interface.clone(), rule, params, position }
     }
+}
+
+/// The piece as an effect may see it: along and across the load, as it lies in the model of a test.
+fn piece_of(g: &Geometry, layout: Layout) -> Piece {
+    let [width, length, thickness] = layout.extents(g);
+    Piece { length, width, thickness, cut: g.cut }
+}
+
+/// The experiment of a test, or that there is none of this name.
+pub(super) fn experiment_of<'a>(
+    catalogue: &'a Catalogue,
+    test: &Test,
+) -> Result<&'a dyn Experiment, BuildError> {
+    let found = catalogue.experiments().get(test.kind.word());
+    let unknown =
+        || BuildError::Case(format!("test {}: unknown experiment `{}`", test.name, test.kind.word()));
+    found.map(|e| &**e).ok_or_else(unknown)
 }
 
 /// The law of a site, or that there is none of this name.

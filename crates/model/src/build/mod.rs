@@ -2,8 +2,8 @@
 
 mod builder;
 mod place;
-mod supports;
 mod test_model;
+mod turned;
 
 pub(crate) use place::at_key;
 pub use test_model::TestModel;
@@ -126,7 +126,8 @@ pub(crate) fn outlook(
     let builder = Builder::new(case, catalogue, how.idle_neutral)?;
     let half_height = builder.half_height(how);
     let count = |test: &input::Test| {
-        let strip = supports::strip_of(case, test, half_height, how);
+        let experiment = builder::experiment_of(catalogue, test)?;
+        let strip = experiment.strip(&builder.setting(case, test, half_height, how));
         strip.and_then(|s| mesh::count(&s)).map_err(|source| BuildError::mesh(case, &test.name, source))
     };
     Ok(Outlook {
@@ -134,6 +135,26 @@ pub(crate) fn outlook(
         free: builder.parameters.iter().filter(|p| p.free).count(),
         bulk_history: builder.bulk_history(),
     })
+}
+
+/// Whether what the tissue remembers can be carried over from each test to the next.
+fn one_piece(case: &Case, tests: &[TestModel]) -> Result<(), BuildError> {
+    for pair in tests.windows(2) {
+        let [before, after] = [&pair[0], &pair[1]];
+        let inherits = after.has_memory() && !after.test.fresh_piece;
+        let alike = before.test.kind.layout == after.test.kind.layout
+            && before.mesh.hexes.len() == after.mesh.hexes.len();
+        if inherits && !alike {
+            return Err(BuildError::Case(format!(
+                "{}test {}: the tissue remembers, and the piece is meshed otherwise than in test {}; \
+                 give `fresh_piece = true`, or leave the effect out",
+                at_key(case, "tests", "kind"),
+                after.test.name,
+                before.test.name
+            )));
+        }
+    }
+    Ok(())
 }
 
 impl Model {
@@ -148,8 +169,9 @@ impl Model {
             .tests
             .iter()
             .enumerate()
-            .map(|(index, test)| builder.test(&case, test, index, half_height, how))
+            .map(|(index, test)| builder.test(&case, catalogue, test, index, half_height, how))
             .collect::<Result<Vec<_>, _>>()?;
+        one_piece(&case, &tests)?;
         let Builder { parameters, active, base, .. } = builder;
         Ok(Self { parameters, active, base, tests, case })
     }

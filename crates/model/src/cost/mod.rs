@@ -14,7 +14,7 @@ use crate::build::{BuildError, Discretisation, Outlook, outlook};
 use crate::catalogue::Catalogue;
 use crate::plan::{Corner, corners_of_protocol, corners_of_record};
 use crate::predict::RunOptions;
-use input::{Case, Test, TestKind};
+use input::{Case, Test};
 use std::sync::Arc;
 
 /// Runs of the model in an identification: FCT1 took 101 to 138 (docs/performance.md,
@@ -109,7 +109,7 @@ impl Cost {
         let unknowns = 3.0 * count.nodes as f64;
         self.unknowns.push(3 * count.nodes);
         self.elements.push(bricks);
-        if test.kind == TestKind::Tearing {
+        if test.kind.tears {
             self.ahead = Some(self.ahead.map_or(count.ahead, |a| a.min(count.ahead)));
         }
         // A node meets 27 through the bulk, 18 at a face.
@@ -119,7 +119,7 @@ impl Cost {
         let history = 64.0 * (look.bulk_history * bricks) as f64;
         let state = 8.0 * (unknowns + bricks as f64) + history;
         let iteration = SECONDS_PER_BRICK * bricks as f64 + count.fill.flops / FLOPS;
-        let tear = if test.kind == TestKind::Tearing { LIMIT_POINT } else { 0.0 };
+        let tear = if test.kind.tears { LIMIT_POINT } else { 0.0 };
         let time = |steps: f64| SETTING_UP * unknowns + iteration * (ITERATIONS * steps + tear);
 
         let simulated = simulated_steps(case, test);
@@ -172,10 +172,6 @@ fn simulated_steps(case: &Case, test: &Test) -> f64 {
 
 fn fitted_steps(test: &Test) -> f64 {
     let (way, range, corners) = way(test);
-    let options = RunOptions::default();
-    let grid = match test.kind {
-        TestKind::Tearing => options.tearing_steps,
-        TestKind::Uniaxial => options.uniaxial_steps,
-    };
+    let grid = RunOptions::default().steps(test.kind);
     way / range * grid as f64 + corners
 }

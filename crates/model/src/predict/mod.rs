@@ -24,9 +24,9 @@ pub const LONG_REST: f64 = 1e9;
 pub struct RunOptions {
     /// Finite-element options.
     pub march: SteppingOptions,
-    /// Grid lines over the displacement range of a tearing test.
+    /// Grid lines over the displacement range of a test that tears.
     pub tearing_steps: usize,
-    /// Grid lines over the displacement range of a uniaxial test.
+    /// Grid lines over the displacement range of a test in which nothing tears.
     pub uniaxial_steps: usize,
     /// Follow holds even if no law looks at time (the screen's effects may).
     pub follow_holds: bool,
@@ -35,6 +35,13 @@ pub struct RunOptions {
 impl Default for RunOptions {
     fn default() -> Self {
         Self { march: SteppingOptions::default(), tearing_steps: 48, uniaxial_steps: 20, follow_holds: false }
+    }
+}
+
+impl RunOptions {
+    /// Grid lines over the displacement range of a test of this kind.
+    pub fn steps(&self, kind: TestKind) -> usize {
+        if kind.tears { self.tearing_steps } else { self.uniaxial_steps }
     }
 }
 
@@ -82,10 +89,7 @@ impl Model {
     /// The plan of an identification run.
     pub fn plan(&self, test: usize, options: &RunOptions) -> Plan {
         let t = &self.tests[test];
-        let steps = match t.test.kind {
-            TestKind::Tearing => options.tearing_steps,
-            TestKind::Uniaxial => options.uniaxial_steps,
-        };
+        let steps = options.steps(t.test.kind);
         plan(&self.corners(test), Stepping { steps, holds: options.follow_holds || t.rate_dependent() })
     }
 

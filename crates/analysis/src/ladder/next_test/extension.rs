@@ -1,7 +1,7 @@
 //! What could be added to a protocol: segments at the end of a uniaxial test or in the middle of a tear, and camera
 //! channels on the tests as they are.
 
-use input::{Case, Record, Test, TestKind};
+use input::{Case, Record, Test};
 use model::Channel;
 use std::ops::Range;
 
@@ -63,16 +63,13 @@ fn segments(index: usize, test: &Test, record: &Record) -> Vec<Extension> {
     let Some((rate, interval)) = pace(record) else { return Vec::new() };
     let top = record.displacement.iter().fold(0.0f64, |m, u| m.max(*u));
     let name = &test.name;
-    let (keep, at, proposals) = match test.kind {
-        TestKind::Uniaxial => {
-            let end = format!("after the test {name}");
-            (record.len(), end, after_a_uniaxial(top, rate))
-        }
-        TestKind::Tearing => {
-            let keep = middle(record);
-            let at = record.displacement[keep - 1];
-            (keep, format!("in the test {name}, at {at:.3} mm"), in_a_tear(at, top, rate))
-        }
+    let (keep, at, proposals) = if test.kind.tears {
+        let keep = middle(record);
+        let at = record.displacement[keep - 1];
+        (keep, format!("in the test {name}, at {at:.3} mm"), in_a_tear(at, top, rate))
+    } else {
+        let end = format!("after the test {name}");
+        (record.len(), end, after_a_uniaxial(top, rate))
     };
     let extension = |(what, legs): (String, Vec<Leg>)| {
         let mut longer = record.clone();
@@ -126,11 +123,11 @@ fn in_a_tear(at: f64, top: f64, rate: f64) -> Vec<(String, Vec<Leg>)> {
 
 /// Channels that no test has yet.
 fn cameras(tests: &[(usize, &Test, &Record)]) -> Vec<Extension> {
-    let on = |channel: Channel, kind: Option<TestKind>, words: &str, sd: f64| {
+    let on = |channel: Channel, words: &str, sd: f64| {
         let lacks = |r: &Record| channel.of(r).is_empty();
         let parts: Vec<Part> = tests
             .iter()
-            .filter(|(_, t, r)| kind.is_none_or(|k| k == t.kind) && lacks(r))
+            .filter(|(_, t, r)| t.kind.measures(channel.word()) && lacks(r))
             .map(|(i, _, r)| {
                 let (mut record, rows) = ((*r).clone(), 0..r.len());
                 let empty = Some(vec![Some(0.0); r.len()]);
@@ -147,9 +144,9 @@ fn cameras(tests: &[(usize, &Test, &Record)]) -> Vec<Extension> {
         (!parts.is_empty()).then_some(Extension { words, seconds: 0.0, parts })
     };
     [
-        on(Channel::GripDisplacement, None, "the clamped edges, grip_displacement_mm", CAMERA_SD),
-        on(Channel::TearFront, Some(TestKind::Tearing), "the tear, tear_front_mm", FRONT_SD),
-        on(Channel::WidthChange, Some(TestKind::Uniaxial), "the strip's width, width_change_mm", CAMERA_SD),
+        on(Channel::GripDisplacement, "the clamped edges, grip_displacement_mm", CAMERA_SD),
+        on(Channel::TearFront, "the tear, tear_front_mm", FRONT_SD),
+        on(Channel::WidthChange, "the strip's width, width_change_mm", CAMERA_SD),
     ]
     .into_iter()
     .flatten()

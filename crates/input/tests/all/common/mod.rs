@@ -1,7 +1,9 @@
 //! A small catalogue for the tests of this crate.
 #![allow(dead_code)]
 
-use input::{EffectRegistry, LawRegistry, LawSite, OptionKind, OptionSpec, OptionValue};
+use input::{
+    EffectRegistry, ExperimentRegistry, LawRegistry, LawSite, OptionKind, OptionSpec, OptionValue, TestKind,
+};
 use params::{ParamSpec, Quantity};
 use std::collections::BTreeMap;
 
@@ -24,6 +26,12 @@ impl LawRegistry for Catalogue {
         options: &BTreeMap<String, OptionValue>,
     ) -> Option<Vec<ParamSpec>> {
         laws::registry().law_parameters(site, law, options)
+    }
+}
+
+impl ExperimentRegistry for Catalogue {
+    fn kinds(&self) -> Vec<TestKind> {
+        experiments::registry().kinds()
     }
 }
 
