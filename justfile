@@ -21,8 +21,13 @@ slow:
 verification:
     cargo test --release -p fem -- --ignored --nocapture
 
+# The targets of docs/performance.md as ratios to commit 789214f, which is built beside this one (`tests/baseline.sh identify`: one
+# row). Hours, most of them the earlier commit's; not on a busy machine.
+bench *WORK:
+    tests/baseline.sh {{WORK}}
+
 # Times of the hot loops: law points, assembly, factorisation, a torn strip, a search's iteration and screen, and their ratios. Not on a busy machine.
-bench:
+kernels:
     cargo bench -p hgo --bench point
     cargo bench -p cohesive --bench point
     cargo bench -p fem --bench forward
