@@ -21,8 +21,13 @@ slow:
 verification:
     cargo test --release -p fem -- --ignored --nocapture
 
+# The targets of docs/performance.md as ratios to commit 789214f, which is built beside this one (`tests/baseline.sh identify`: one
+# row). Hours, most of them the earlier commit's; not on a busy machine.
+bench *WORK:
+    tests/baseline.sh {{WORK}}
+
 # Times of the hot loops: law points, assembly, factorisation, a torn strip, a search's iteration and screen, and their ratios. Not on a busy machine.
-bench:
+kernels:
     cargo bench -p hgo --bench point
     cargo bench -p cohesive --bench point
     cargo bench -p fem --bench forward
@@ -111,11 +116,27 @@ audit:
 browser:
     cargo test -p fct-cli browser:: -- --ignored --nocapture
 
-# The README's picture of the workbench, and all others that the browser tests take, in target/pictures.
+# Pictures of the workbench for the book, and all others that the browser tests take, in target/pictures.
 workbench-picture:
     mkdir -p target/pictures
     FCT_SCREENSHOTS="$PWD/target/pictures" cargo test -p fct-cli workbench_browser:: -- --ignored
-    cp target/pictures/workbench.png docs/img/workbench.png
+    for name in "" -empty -geometry -slider -stretch -hover; do cp target/pictures/workbench$name.png docs/book/src/img/; done
+
+# The README's film of the workbench: a raw file dropped, the missing effect added, the error falling; pictures by Chromium,
+# put together by Pillow.
+workbench-film:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    rm -rf target/film && mkdir -p target/film
+    FCT_FILM="$PWD/target/film" cargo test -p fct-cli the_error_falls_in_the_hands -- --ignored
+    [ -d target/venv ] || python3 -m venv target/venv
+    target/venv/bin/pip install -q pillow
+    target/venv/bin/python docs/img/film.py target/film docs/img/workbench.gif
+
+# First paint, sliders, frames, long records, memory of the workbench's page: the table of docs/performance.md. Not on a busy
+# machine. The practice case lies beside this repository.
+workbench-figures:
+    FCT_PRACTICE="${FCT_PRACTICE:-$PWD/../shared/practice}" cargo test --release -p fct-cli workbench_figures:: -- --ignored --nocapture
 
 # The pages that are made from the program: keys, JSON schema, catalogue of effects.
 book:

@@ -74,10 +74,10 @@ done
     exit 1
 }
 
-# Eight synthetic strips in two groups, each fitted three times.
+# Four synthetic strips in two groups, each fitted six times.
 mkdir "$here/study" && cd "$here/study"
 echo "file,group,donor,exclude" >table.csv
-for k in $(seq 8); do
+for k in $(seq 4); do
     cat >"s$k.toml" <<STRIP
 name = "s$k"
 [geometry]
@@ -92,7 +92,7 @@ protocol = [{ to_mm = 2.0, rate_mm_per_s = 0.05 }]
 kind = "tearing"
 protocol = [{ to_mm = 5.0, rate_mm_per_s = 0.05 }]
 [mesh]
-divisions = [8, 8, 1]
+divisions = [16, 16, 1]
 [bulk]
 mu_kPa = 6.0
 k1_kPa = 700.0
@@ -114,21 +114,25 @@ STRIP
 done
 cat >model.toml <<MODEL
 [mesh]
-divisions = [8, 8, 1]
+divisions = [16, 16, 1]
 MODEL
 printf '%s\n' 'name = "strips"' 'table = "table.csv"' '[[models]]' 'name = "base"' 'config = "model.toml"' \
-    '[repeats]' 'bootstrap = 2' 'seed = 5' >study.toml
+    '[repeats]' 'bootstrap = 5' 'seed = 5' >study.toml
 cp -r . ../serial
 
 "$fct" campaign slurm study.toml --array 4 --memory 200M --time 00:10:00 >job.sh
 id=$(sbatch --parsable job.sh)
 # Until it has done something of its share, and has something left.
-for _ in $(seq 300); do
-    [ "$(squeue -h -j "${id}_1" -o %T 2>/dev/null)" = RUNNING ] && ls study-strips/results/*.json >/dev/null 2>&1 && break
-    sleep 0.2
+for _ in $(seq 600); do
+    [ "$(squeue -h -j "${id}_1" -o %T 2>/dev/null)" = RUNNING ] && [ -d study-strips/results ] && [ "$(ls study-strips/results | grep -c json)" -ge 2 ] && break
+    sleep 0.1
 done
-sleep 1
-scontrol requeue "${id}_1" && echo "member 1 of job $id sent back to the queue in the middle of its share"
+scontrol requeue "${id}_1"
+# Slurm lets a requeued job wait for two minutes.
+for _ in $(seq 60); do
+    scontrol update jobid="${id}_1" starttime=now 2>/dev/null && break
+    sleep 1
+done
 for _ in $(seq 300); do
     [ -z "$(squeue -h -j "$id" 2>/dev/null)" ] && break
     sleep 1
@@ -138,7 +142,14 @@ done
     echo "slurm: not done after five minutes" >&2
     exit 1
 }
-cat slurm-*.out 2>/dev/null || true
+cat slurm-*.out
+# What its second run did and what it found done are its share; both must be something, or it was not in the middle.
+again=$(cat slurm-*_1.out)
+[[ "$again" =~ ([0-9]+)\ done,\ 0\ failed\ now\;\ ([0-9]+)\ had\ a\ result ]] && ((BASH_REMATCH[1] > 0 && BASH_REMATCH[2] > 0)) || {
+    echo "slurm: member 1 was not sent back in the middle of its share" >&2
+    exit 1
+}
+echo "member 1 of job $id was sent back to the queue after ${BASH_REMATCH[2]} tasks, and did the other ${BASH_REMATCH[1]} when it came again"
 "$fct" campaign status study.toml
 "$fct" campaign report study.toml --quiet >/dev/null
 (cd ../serial && "$fct" campaign run study.toml --quiet && "$fct" campaign report study.toml --quiet >/dev/null)

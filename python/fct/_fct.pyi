@@ -1,6 +1,6 @@
 """The engine. Answers are the JSON documents of the command; curves are doubles as bytes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ _Curve = tuple[str, _Columns, list[str], _Columns]
 class FctError(Exception): ...
 
 class InputError(FctError):
-    faults: list[dict[str, Any]]
+    faults: Sequence[dict[str, Any]]
 
 class ComputeError(FctError): ...
 

@@ -7,6 +7,7 @@ import io
 import json
 import os
 import tempfile
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -116,8 +117,22 @@ def _of_columns(columns: dict[str, np.ndarray[Any, Any]], kind: str) -> Record:
     frame = pd.DataFrame(columns)
     # The shortest text that reads back the same double.
     text = frame.to_csv(index=False, lineterminator="\n")
-    _check(text)
+    try:
+        _check(text)
+    except InputError as e:
+        raise _of_header(e, columns) from None
     return Record(text, kind)
+
+
+def _of_header(error: InputError, columns: Iterable[str]) -> InputError:
+    """What is wrong with the columns of a table: there is no file to point into, and none to import."""
+    wrong = [f for f in error.faults if f.get("line") == 1]
+    if not wrong:
+        return error
+    said = "\n".join(f"  {f['message']}" + (f" ({f['help']})" if f.get("help") else "") for f in wrong)
+    out = InputError(f"the table has the columns {', '.join(columns) or '(none)'}:\n{said}")
+    out.faults = wrong
+    return out
 
 
 def _check(text: str) -> None:

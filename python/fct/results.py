@@ -184,6 +184,19 @@ class Diagnosis(_Answer):
         """Effects that are called for."""
         return list(self.answer["found"])
 
+    @property
+    def posterior(self) -> pd.DataFrame | None:
+        """How probable each set of effects is, most probable first: ``effects`` (a tuple; empty: none), ``probability``
+        that these act and nothing else, ``with_something_else`` that these act and something that the catalogue does
+        not hold. ``None`` where the answer has no probabilities. What each effect has alone or with others, and how far all
+        that depends on what is believed beforehand, stands in ``answer["posterior"]``."""
+        given = self.answer.get("posterior")
+        if given is None:
+            return None
+        sets = [{**s, "effects": tuple(s["effects"])} for s in given["sets"]]
+        frame = pd.DataFrame(sets, columns=["effects", "probability", "with_something_else"])
+        return frame.sort_values("probability", ascending=False, kind="stable", ignore_index=True)
+
     def plot(self, ax: Any = None) -> Any:
         """Expected fall of χ² of the ten most promising effects; matplotlib axes."""
         shown, ax = self.screen["expected_fall"].nlargest(10)[::-1], _axes(ax)

@@ -6,6 +6,7 @@ use input::Diagnostics;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyException, PyKeyboardInterrupt};
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 
 create_exception!(fct, FctError, PyException, "Why fct gave no answer.");
 create_exception!(
@@ -25,6 +26,8 @@ create_exception!(
 /// Adds them to the module.
 pub fn add(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add("FctError", m.py().get_type::<FctError>())?;
+    // What is raised in Python itself has no faults of files.
+    m.py().get_type::<InputError>().setattr("faults", PyTuple::empty(m.py()))?;
     m.add("InputError", m.py().get_type::<InputError>())?;
     m.add("ComputeError", m.py().get_type::<ComputeError>())?;
     m.add("Interrupted", m.py().get_type::<Interrupted>())

@@ -166,3 +166,17 @@ def test_bad_input_says_what_the_command_says(folder):
     with pytest.raises(fct.InputError, match="nowhere.toml"):
         fct.check("nowhere.toml")
     assert issubclass(fct.InputError, fct.FctError)
+
+
+def test_probabilities_of_a_search_are_a_frame():
+    """A made-up answer: what a search says takes minutes."""
+    sets = [
+        {"effects": [], "probability": 0.02, "with_something_else": 0.01},
+        {"effects": ["drift"], "probability": 0.9, "with_something_else": 0.05},
+        {"effects": ["drift", "lag"], "probability": 0.02, "with_something_else": 0.0},
+    ]
+    answer = {"specimen": "x", "verdict": "explained", "found": ["drift"]}
+    found = fct.Discovery(answer | {"posterior": {"sets": sets, "effects": {"drift": 0.97}, "nothing": 0.02}}, None)
+    assert list(found.posterior["effects"]) == [("drift",), (), ("drift", "lag")]
+    assert list(found.posterior["probability"]) == [0.9, 0.02, 0.02]
+    assert fct.Discovery(answer, None).posterior is None

@@ -52,3 +52,20 @@ def test_what_is_no_record_is_an_error(frame):
     strip = fct.Specimen(8, 6, 0.8, tests=[fct.read_record(frame)])
     with pytest.raises(fct.InputError, match="kind"):
         fct.check(strip)
+
+
+def test_a_table_with_wrong_columns_says_which_and_what_was_found(frame):
+    renamed = frame.rename(columns={"force_N": "Load", "time_s": "time"}).assign(temperature=37.0)
+    with pytest.raises(fct.InputError) as error:
+        fct.read_record(renamed)
+    said = str(error.value)
+    assert said.startswith("the table has the columns time, displacement_mm, Load, temperature:\n")
+    for part in ("`time`", "`time_s`", "`Load`", "`temperature`", "`force_N`"):
+        assert part in said, said
+    assert "fct import" not in said and {f["line"] for f in error.value.faults} == {1}
+    with pytest.raises(fct.InputError, match="the table has the columns time_s, displacement_mm:\n.*force_N"):
+        fct.read_record(frame[["time_s", "displacement_mm"]])
+    # What is wrong with a row is told with its line.
+    holes = frame.assign(force_N=frame["force_N"].where(frame.index != 4))
+    with pytest.raises(fct.InputError, match="record.csv:6:.*force_N"):
+        fct.read_record(holes)

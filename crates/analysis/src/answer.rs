@@ -25,7 +25,7 @@ pub struct ScreenRow {
     /// p-value with the noise as estimated from the records, shapes paid for.
     pub p_value: f64,
     /// The same with noise as correlated as the records allow, which decides.
-    pub p_cautious: f64,
+    pub p_conservative: f64,
     /// That, adjusted for the whole catalogue.
     pub q_value: f64,
     /// Estimated parameters by file key.
@@ -119,7 +119,7 @@ fn screen_rows(screen: &Screen, policy: &Policy, catalogue: &Catalogue) -> Vec<S
         .map(|f| ScreenRow {
             expected_fall: f.expected_fall,
             p_value: f.p_shown(),
-            p_cautious: f.p_value,
+            p_conservative: f.p_value,
             q_value: f.q_value,
             estimate: f.amplitudes.iter().chain(&f.shape).cloned().collect(),
             visible: f.visible,

@@ -185,7 +185,12 @@ pub(crate) fn residuals_of(l: &FeLadder) -> Vec<Residuals> {
                 time: record.time.clone(),
                 displacement: record.displacement.clone(),
                 force: record.force.clone(),
-                misfit: b.range.clone().map(|i| misfit[i]).collect(),
+                // What the user left out is no fault of the model.
+                misfit: b
+                    .range
+                    .clone()
+                    .map(|i| if l.measured.data.is_used(i) { misfit[i] } else { 0.0 })
+                    .collect(),
                 noise: b.noise.sd,
                 segments: segments(test, record),
                 tear_front: Vec::new(),

@@ -59,7 +59,7 @@ impl Measured {
         Self::with(model, wanted, false)
     }
 
-    /// The same with the noise a sceptic would assume: correlated as much as the record allows. A
+    /// The same with conservative noise: correlated as much as the record allows. A
     /// screen that trusts white noise too easily finds effects in what is only slow noise.
     ///
     /// # Errors
@@ -68,7 +68,7 @@ impl Measured {
         Self::with(model, wanted, true)
     }
 
-    /// The same with the noise as estimated instead of a sceptic's; numerical error stays.
+    /// The same with the noise as estimated instead of the conservative one; numerical error stays.
     ///
     /// # Errors
     /// As [`Measured::of`].
@@ -81,9 +81,10 @@ impl Measured {
         Ok(out)
     }
 
-    fn with(model: &Model, wanted: &[bool], cautious: bool) -> Result<Self, RecordError> {
+    fn with(model: &Model, wanted: &[bool], conservative: bool) -> Result<Self, RecordError> {
         let mut parts = Vec::new();
         let mut slots = Vec::new();
+        let mut left_out: Vec<bool> = Vec::new();
         for (t, test) in model.tests.iter().enumerate() {
             let Some(record) = test.test.record.as_ref().filter(|_| wanted[t]) else { continue };
             for channel in Channel::ALL {
@@ -93,7 +94,10 @@ impl Measured {
                 }
                 let rows: Vec<usize> = measured.iter().map(|m| m.0).collect();
                 let values: Vec<f64> = measured.iter().map(|m| m.1).collect();
-                let noise = noise_of(model, t, channel, &rows, &values, cautious)?;
+                let noise = noise_of(model, t, channel, &rows, &values, conservative)?;
+                let weights: Vec<f64> = rows.iter().map(|&r| test.test.weight_at(record.time[r])).collect();
+                let noise = weighted(noise, &weights);
+                left_out.extend(weights.iter().map(|w| *w == 0.0));
                 let name = match channel {
                     Channel::Force => test.test.name.clone(),
                     _ => format!("{}.{}", test.test.name, channel.word()),
@@ -105,7 +109,11 @@ impl Measured {
         if parts.is_empty() {
             return Err(RecordError::Empty);
         }
-        Ok(Self { data: Data::from_parts(parts)?, slots })
+        let mut data = Data::from_parts(parts)?;
+        if left_out.contains(&true) {
+            data.held_out = left_out;
+        }
+        Ok(Self { data, slots })
     }
 
     /// The same with white noise of at least a share of each block's largest value.
@@ -134,6 +142,23 @@ impl Measured {
     }
 }
 
+/// Noise where points have weights: a point of weight w counts as if its noise were w^-½ times what it is.
+fn weighted(noise: NoiseModel, weights: &[f64]) -> NoiseModel {
+    if weights.iter().all(|w| *w == 1.0) {
+        return noise;
+    }
+    let n = weights.len();
+    let or = |list: &[f64], default: &dyn Fn(usize) -> f64| -> Vec<f64> {
+        if list.is_empty() { (0..n).map(default).collect() } else { list.to_vec() }
+    };
+    // What is left out has no part in any sum, whatever stands here.
+    let counted = |i: usize| if weights[i] > 0.0 { weights[i] } else { 1.0 };
+    let spread = or(&noise.spread, &|_| 1.0).iter().enumerate().map(|(i, s)| s / counted(i).sqrt()).collect();
+    let readings = or(&noise.readings, &|_| 1.0).iter().enumerate().map(|(i, m)| m * counted(i)).collect();
+    let position = or(&noise.position, &|i| i as f64);
+    NoiseModel { spread, readings, position, ..noise }
+}
+
 /// Noise of one channel: as the file says, else estimated from the record itself.
 fn noise_of(
     model: &Model,
@@ -141,7 +166,7 @@ fn noise_of(
     channel: Channel,
     rows: &[usize],
     values: &[f64],
-    cautious: bool,
+    conservative: bool,
 ) -> Result<NoiseModel, RecordError> {
     let test = &model.tests[t].test;
     let given = match channel {
@@ -163,17 +188,27 @@ fn noise_of(
     }
     let (spread, position, readings) =
         averages.map_or_else(Default::default, |a| (a.spread, a.position, a.readings));
-    let time: Vec<f64> = rows.iter().map(|&r| record.time[r]).collect();
+    // What is left out of the fit says nothing about the noise either; the stretches beside it are no neighbours.
+    let used: Vec<usize> = (0..rows.len()).filter(|&k| test.weight_at(record.time[rows[k]]) > 0.0).collect();
+    let pick = |v: &[f64]| -> Vec<f64> { used.iter().filter_map(|&k| v.get(k).copied()).collect() };
+    let time: Vec<f64> = used.iter().map(|&k| record.time[rows[k]]).collect();
     let corners = corners_of_record(record);
-    let breaks: Vec<usize> =
+    let mut breaks: Vec<usize> =
         corners.iter().filter_map(|c| time.iter().position(|t| (t - c.time).abs() < 1e-9)).collect();
-    let weights = diagnose::noise::Averages { spread: &spread, position: &position };
-    let estimate = diagnose::noise::estimate_averages(&time, values, weights, &breaks)
+    breaks.extend((1..used.len()).filter(|&i| used[i] > used[i - 1] + 1));
+    breaks.sort_unstable();
+    breaks.dedup();
+    let (near, at) = (pick(&spread), pick(&position));
+    let weights = diagnose::noise::Averages { spread: &near, position: &at };
+    let estimate = diagnose::noise::estimate_averages(&time, &pick(values), weights, &breaks)
         .map_err(|source| RecordError::Noise { test: test.name.clone(), channel: channel.word(), source })?;
     // A record without any noise (computed, or rounded) still has the rounding of its digits.
     let peak = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    let (sd, ar1) =
-        if cautious { (estimate.cautious_sd, estimate.cautious_ar1) } else { (estimate.sd, estimate.ar1) };
+    let (sd, ar1) = if conservative {
+        (estimate.conservative_sd, estimate.conservative_ar1)
+    } else {
+        (estimate.sd, estimate.ar1)
+    };
     let freedom = estimate.freedom();
     Ok(NoiseModel {
         freedom,

@@ -11,9 +11,10 @@ use fem::{Guess, Kept, Warm};
 use inverse::{Data, Fit, FitError, FitOptions, Free, Iterate, PredictError, Prediction};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Where finished fits are kept, by key.
 pub trait Journal: Sync {
@@ -33,6 +34,34 @@ impl Journal for NoJournal {
     }
 
     fn put(&self, _: &str, _: &[u8]) {}
+}
+
+/// Keeps the fits of one analysis in memory, beside where they are kept for others: what a search does twice is done once.
+pub(crate) struct Recent<'a> {
+    kept: Mutex<BTreeMap<String, Vec<u8>>>,
+    beside: &'a dyn Journal,
+}
+
+impl<'a> Recent<'a> {
+    pub fn new(beside: &'a dyn Journal) -> Self {
+        Self { kept: Mutex::default(), beside }
+    }
+
+    fn kept(&self) -> MutexGuard<'_, BTreeMap<String, Vec<u8>>> {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Journal for Recent<'_> {
+    fn get(&self, key: &str) -> Option<Vec<u8>> {
+        let known = self.kept().get(key).cloned();
+        known.or_else(|| self.beside.get(key))
+    }
+
+    fn put(&self, key: &str, content: &[u8]) {
+        self.kept().insert(key.to_owned(), content.to_vec());
+        self.beside.put(key, content);
+    }
 }
 
 /// The end of a fit as it is kept.
@@ -161,7 +190,7 @@ impl Asked<'_> {
             p.theta,
             p.free,
             p.options,
-            p.correction.as_slice(),
+            p.correction,
             self.free,
             self.options,
             self.how,

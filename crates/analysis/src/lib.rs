@@ -4,10 +4,12 @@ mod answer;
 mod columns;
 mod compare;
 mod condense;
+mod correction;
 mod cost;
 mod data;
 mod design;
 mod doctor;
+mod feasible_start;
 mod held_out;
 mod identify;
 mod journal;
@@ -17,7 +19,6 @@ mod parsimony;
 mod priors;
 mod probable;
 mod problem;
-mod reach;
 mod simulate;
 mod start;
 mod strip;
@@ -29,6 +30,7 @@ pub use compare::{
     AlongTear, DependsOn, Residuals, Where, along_the_tear, depends_on, located, place_in_words, places,
 };
 pub use condense::condensed;
+pub use correction::Correction;
 pub use cost::{Meter, Metered, Phase, PhaseCost, Watch, Within};
 pub use data::{Measured, RecordError, Slot};
 pub use design::{

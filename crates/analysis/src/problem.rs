@@ -1,5 +1,6 @@
 //! The finite-element model as an inverse problem: free parameters in, record points out.
 
+use crate::correction::Correction;
 use crate::cost::Watch;
 use crate::data::Slot;
 use fem::Warm;
@@ -27,8 +28,8 @@ pub struct FeProblem<'a> {
     pub slots: &'a [Slot],
     /// Run options.
     pub options: RunOptions,
-    /// Added to the prediction: what a finer mesh says more (zero length: nothing).
-    pub correction: DVector<f64>,
+    /// Added to the prediction: what a finer mesh says more.
+    pub correction: Correction,
     cancelled: Cancelled<'a>,
     /// The latest runs per test, newest last: an accepted point and a trial, say.
     warm: Mutex<Vec<Vec<Warm>>>,
@@ -54,7 +55,7 @@ impl<'a> FeProblem<'a> {
             free,
             slots,
             options,
-            correction: DVector::zeros(0),
+            correction: Correction::default(),
             cancelled,
             warm: Mutex::new(vec![Vec::new(); tests]),
             last: Mutex::new(None),
@@ -190,9 +191,8 @@ impl<'a> FeProblem<'a> {
         if values.iter().any(|v| !v.is_finite()) || matrix.iter().any(|v| !v.is_finite()) {
             return Err(PredictError::NotComputable("the prediction is not finite".into()));
         }
-        if self.correction.len() == n {
-            values += &self.correction;
-        }
+        let by = if k == self.free.len() { self.free.as_slice() } else { &[] };
+        self.correction.apply(self.model, theta, by, &mut values, jacobian.then_some(&mut matrix));
         Ok(Prediction { values, jacobian: jacobian.then_some(matrix), valid: Some(valid) })
     }
 }

@@ -4,7 +4,7 @@
 use crate::cost::Phase;
 use crate::identify::{AnalysisError, Identified, run_options};
 use crate::problem::Cancelled;
-use fem::{FemError, History, MarchOptions, Run, State, Target, march};
+use fem::{FemError, History, Run, State, SteppingOptions, Target, run_steps};
 use input::{Case, Control};
 use inverse::PredictError;
 use model::cost::Purpose;
@@ -95,11 +95,11 @@ pub fn simulate(
 ) -> Result<Simulated, AnalysisError> {
     let how = Discretisation { idle_neutral: true, ..Discretisation::default() };
     let model = Model::checked(case.clone(), catalogue, how, Purpose::Simulation)?;
-    let mut march = run_options(&case).march;
-    march.ledger = true;
-    march.keep_states = true;
-    let tests: Vec<(Plan, MarchOptions)> =
-        (0..model.tests.len()).map(|t| planned(&model, t, march)).collect();
+    let mut stepping = run_options(&case).march;
+    stepping.ledger = true;
+    stepping.keep_states = true;
+    let tests: Vec<(Plan, SteppingOptions)> =
+        (0..model.tests.len()).map(|t| planned(&model, t, stepping)).collect();
     let theta = model.theta();
     let tests = run_all(&model, &theta, &tests, control)?;
     Ok(Simulated { model, theta, tests })
@@ -118,9 +118,9 @@ pub fn replay(
     control.cancelled.phase(Phase::Replay);
     let model = &identified.model;
     let options: RunOptions = identified.options;
-    let march = MarchOptions { ledger: true, keep_states: true, ..options.march };
-    let tests: Vec<(Plan, MarchOptions)> =
-        (0..model.tests.len()).map(|t| (model.plan(t, &options), march)).collect();
+    let stepping = SteppingOptions { ledger: true, keep_states: true, ..options.march };
+    let tests: Vec<(Plan, SteppingOptions)> =
+        (0..model.tests.len()).map(|t| (model.plan(t, &options), stepping)).collect();
     let replayed = run_all(model, &identified.theta, &tests, control)?;
     if control.cancelled.stops() && replayed.iter().any(|t| t.failure.is_some()) {
         return Err(PredictError::Interrupted.into());
@@ -129,7 +129,7 @@ pub fn replay(
 }
 
 /// Steps of one test as the contract asks for them.
-fn planned(model: &Model, t: usize, mut march: MarchOptions) -> (Plan, MarchOptions) {
+fn planned(model: &Model, t: usize, mut stepping: SteppingOptions) -> (Plan, SteppingOptions) {
     let corners = model.corners(t);
     let solver = &model.case.solver;
     let range = corners.iter().fold(f64::MIN, |m, c| m.max(c.displacement))
@@ -137,18 +137,18 @@ fn planned(model: &Model, t: usize, mut march: MarchOptions) -> (Plan, MarchOpti
     let step = solver.step_mm.unwrap_or((range / DEFAULT_STEPS).max(1e-9));
     // An intact strip has no snap-back to follow.
     let path = solver.control == Control::Path && model.tests[t].test.kind.tears;
-    march.follow_path = path;
+    stepping.follow_path = path;
     if path {
-        march.arc_step = step;
+        stepping.arc_step = step;
     }
-    (plan_simulation(&corners, step, model.tests[t].rate_dependent(), path), march)
+    (plan_simulation(&corners, step, model.tests[t].rate_dependent(), path), stepping)
 }
 
 /// Runs independent chains of tests in parallel, the tests of a chain one after the other.
 fn run_all(
     model: &Model,
     theta: &[f64],
-    tests: &[(Plan, MarchOptions)],
+    tests: &[(Plan, SteppingOptions)],
     control: &SimulateControl,
 ) -> Result<Vec<SimulatedTest>, AnalysisError> {
     let total: usize = tests.iter().map(|t| t.0.targets.len()).sum();
@@ -170,7 +170,7 @@ fn run_chain(
     model: &Model,
     theta: &[f64],
     chain: &[usize],
-    tests: &[(Plan, MarchOptions)],
+    tests: &[(Plan, SteppingOptions)],
     asked: &(dyn Fn() -> bool + Sync),
 ) -> Result<Vec<SimulatedTest>, BuildError> {
     let mut out: Vec<SimulatedTest> = Vec::new();
@@ -199,7 +199,7 @@ fn run_test(
     theta: &[f64],
     t: usize,
     plan: &Plan,
-    options: MarchOptions,
+    options: SteppingOptions,
     before: Option<&State>,
     asked: &(dyn Fn() -> bool + Sync),
 ) -> Result<Run, BuildError> {
@@ -212,8 +212,18 @@ fn run_test(
         *first = Target { dt: test.test.rest_s.unwrap_or(LONG_REST), rest: true, ..*first };
     }
     let camera = model.camera_at(t, theta);
-    let mut run =
-        march(&problem, theta, &mut system, Some(initial), &targets, &mut [], &camera, options, None, &asked);
+    let mut run = run_steps(
+        &problem,
+        theta,
+        &mut system,
+        Some(initial),
+        &targets,
+        &mut [],
+        &camera,
+        options,
+        None,
+        &asked,
+    );
     test.give_back(system);
     if run.last.is_none() {
         run.last = Some(State { history: History::virgin(&problem), ..State::virgin(&problem) });

@@ -58,13 +58,16 @@ pub(crate) fn tissues(model: &Model, case: &Case, frees: &[Free], theta: &[f64])
 /// (stretch, nominal stress in MPa) of the first uniaxial record, thinned.
 fn points(case: &Case) -> Vec<(f64, f64)> {
     let g = &case.geometry;
-    let Some(record) = case.tests.iter().filter(|t| t.kind.free_strip).find_map(|t| t.record.as_ref()) else {
+    let uniaxial = |t: &&input::Test| t.kind.free_strip;
+    let Some((test, record)) = case.tests.iter().filter(uniaxial).find_map(|t| Some((t, t.record.as_ref()?)))
+    else {
         return Vec::new();
     };
     let n = record.force.len();
     let (u0, every) = (record.displacement[0], n.div_ceil(POINTS).max(1));
     (0..n)
         .step_by(every)
+        .filter(|&i| test.weight_at(record.time[i]) > 0.0)
         .map(|i| (1.0 + (record.displacement[i] - u0) / g.length, record.force[i] / (g.width * g.thickness)))
         .filter(|p| p.0 > 1.0)
         .collect()

@@ -46,6 +46,13 @@ pub struct Pooled {
     pub weights: Vec<f64>,
 }
 
+impl Pooled {
+    /// τ and I²; of one specimen there is none.
+    pub fn between(&self) -> Option<(f64, f64)> {
+        (self.specimens > 1).then_some((self.between_sd, self.i2))
+    }
+}
+
 /// Two groups.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Difference {

@@ -1,4 +1,4 @@
-//! Cost of one point of the law: traction, tangent by hand, tangent by jets.
+//! Cost of one point of the law: traction, analytic tangent, tangent by jets.
 
 use cohesive::Cohesive;
 use constitutive::{Context, Describe, Law, tangent_by_jets_3};
@@ -24,10 +24,10 @@ fn point(c: &mut Criterion) {
                 )
             })
         });
-        group.bench_function("hand tangent", |b| {
+        group.bench_function("analytic tangent", |b| {
             b.iter(|| {
                 let (o, p) = (black_box(&OPENING), black_box(&PARAMS[..]));
-                Cohesive.hand_tangent(&ctx, o, p, black_box(&old[..]), &mut new)
+                Cohesive.analytic_tangent(&ctx, o, p, black_box(&old[..]), &mut new)
             })
         });
         group.bench_function("jet tangent", |b| {

@@ -102,7 +102,7 @@ impl<C: Curve> Describe<3> for Irreversible<C> {
 
     /// With k the secant stiffness and v = (⟨δn⟩, λ² δs): k diag(1, λ², λ²), and while loading k′ v⊗v/δ, since
     /// ∂δ/∂opening = v/δ.
-    fn hand_tangent(
+    fn analytic_tangent(
         &self,
         _ctx: &Context,
         gradient: &[f64; 3],

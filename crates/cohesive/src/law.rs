@@ -163,7 +163,7 @@ impl Describe<3> for Cohesive {
 
     /// With k the secant stiffness and v = (⟨δn⟩, λ² δs): k diag(1, λ², λ²), and while loading
     /// − k v⊗v/(δ δc), since dk/dδ = −k/δc and ∂δ/∂opening = v/δ.
-    fn hand_tangent(
+    fn analytic_tangent(
         &self,
         _ctx: &Context,
         gradient: &[f64; 3],

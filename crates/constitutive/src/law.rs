@@ -4,7 +4,7 @@ use crate::{Jet, Offers, Scalar};
 use params::ParamSpec;
 use std::borrow::Cow;
 
-/// How many derivatives are carried at once by the sensitivity sweeps.
+/// How many derivatives are propagated at once by the sensitivity sweeps.
 pub const WIDTH: usize = 8;
 
 /// Where and when a law is asked.
@@ -89,9 +89,9 @@ pub trait Describe<const G: usize> {
         new: &[f64],
     ) -> Energy;
 
-    /// Force and tangent ∂force/∂gradient by hand, where a law has one; it must agree with the
+    /// Force and tangent ∂force/∂gradient, coded analytically where a law does so; it must agree with the
     /// jets. `None`: the caller differentiates by jets.
-    fn hand_tangent(
+    fn analytic_tangent(
         &self,
         _ctx: &Context,
         _gradient: &[f64; G],

@@ -48,7 +48,7 @@ impl<T: BulkPart> Describe<9> for AsLaw<T> {
         Energy { stored: self.0.respond(gradient, params).energy, dissipated: 0.0 }
     }
 
-    fn hand_tangent(
+    fn analytic_tangent(
         &self,
         _: &Context,
         gradient: &[f64; 9],
@@ -63,7 +63,7 @@ impl<T: BulkPart> Describe<9> for AsLaw<T> {
 /// Stress and tangent of a part, analytic where it has them.
 pub fn part_tangent(part: &Part, gradient: &[f64; 9], params: &[f64]) -> ([f64; 9], [[f64; 9]; 9]) {
     let ctx = Context::default();
-    part.hand_tangent(&ctx, gradient, params, &[], &mut [])
+    part.analytic_tangent(&ctx, gradient, params, &[], &mut [])
         .unwrap_or_else(|| crate::tangent_by_jets_9(&**part, &ctx, gradient, params, &[], &mut []))
 }
 

@@ -75,9 +75,9 @@ fn difference_error<const G: usize>(
     worst / scale.max(1e-300)
 }
 
-/// Worst |hand tangent − jet tangent| relative to the largest entry; `None` when a law has no
-/// hand tangent.
-pub fn hand_tangent_error<const G: usize>(
+/// Worst |analytic tangent − jet tangent| relative to the largest entry; `None` when a law has no
+/// analytic tangent.
+pub fn analytic_tangent_error<const G: usize>(
     law: &dyn PointLaw<G>,
     ctx: &Context,
     g: &[f64; G],
@@ -86,7 +86,7 @@ pub fn hand_tangent_error<const G: usize>(
     by_jets: ([f64; G], [[f64; G]; G]),
 ) -> Option<f64> {
     let mut new = vec![0.0; old.len()];
-    let (force, a) = law.hand_tangent(ctx, g, params, old, &mut new)?;
+    let (force, a) = law.analytic_tangent(ctx, g, params, old, &mut new)?;
     let (jf, ja) = by_jets;
     let scale_a = ja.iter().flatten().fold(1e-300f64, |m, x| m.max(x.abs()));
     let scale_f = jf.iter().fold(1e-300f64, |m, x| m.max(x.abs())).max(1e-12 * scale_a);

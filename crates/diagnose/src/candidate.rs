@@ -49,7 +49,7 @@ impl Amplitude {
 
 /// The columns of an effect at one set of its shape parameters.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shape {
+pub struct ShapeColumns {
     /// Shape parameters and values, empty when the effect has none: `[("tau_s", 12.0)]`.
     pub parameters: Vec<(String, f64)>,
     /// d(prediction)/d(amplitude) at neutral, one column per amplitude. Full length n when raw; rows of
@@ -65,7 +65,7 @@ pub struct Candidate {
     /// Its amplitudes; several are tested jointly.
     pub amplitudes: Vec<Amplitude>,
     /// Grid of shapes, neighbours next to each other; a single entry for an effect without shape.
-    pub shapes: Vec<Shape>,
+    pub shapes: Vec<ShapeColumns>,
     /// The derivative at neutral does not tell: the screen's answer is a hint, a short refit decides.
     /// Columns may then be secants, or missing (`shapes` empty).
     pub refit_only: bool,
@@ -83,7 +83,7 @@ impl Candidate {
                 plausible,
                 limits: (f64::INFINITY, f64::INFINITY),
             }],
-            shapes: vec![Shape { parameters: Vec::new(), columns }],
+            shapes: vec![ShapeColumns { parameters: Vec::new(), columns }],
             refit_only: false,
         }
     }

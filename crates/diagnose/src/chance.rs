@@ -138,7 +138,7 @@ mod tests {
     /// An effect of many shapes, one of a single shape that looks like it, one apart.
     fn catalogue() -> Vec<Candidate> {
         let mut steps = Candidate::simple("step", Side::Positive, 1.0, column(|x| f64::from(x > 0.1)));
-        let more = (2..9).map(|k| crate::Shape {
+        let more = (2..9).map(|k| crate::ShapeColumns {
             parameters: Vec::new(),
             columns: DMatrix::from_columns(&[column(|x| f64::from(x > 0.1 * f64::from(k)))]),
         });

@@ -180,7 +180,7 @@ mod tests {
         DVector::from_fn(N, |i, _| f(i as f64 / N as f64))
     }
 
-    /// A line as base model, two effects that bend it, noise of sd 1.
+    /// A line as base model, two effects that curve it, noise of sd 1.
     fn setting(measured: &DVector<f64>) -> (Whitened, Vec<Candidate>) {
         let name = String::from("a");
         let data =
@@ -189,9 +189,9 @@ mod tests {
         let free = |path: &str| Free::new(path, (-1e3, 1e3), params::Transform::Identity, 0.0);
         let prediction = Prediction::new(DVector::zeros(N), Some(base));
         let white = Whitened::new(&data, &[free("a"), free("b")], &[0.0; 2], &prediction, Noise::Record);
-        let bend = Candidate::simple("bend", Side::Positive, 6.0, column(|x| x * x));
+        let curve = Candidate::simple("curve", Side::Positive, 6.0, column(|x| x * x));
         let wave = Candidate::simple("wave", Side::Both, 0.3, column(|x| (20.0 * x).sin()));
-        (white, vec![bend, wave])
+        (white, vec![curve, wave])
     }
 
     #[test]
@@ -204,7 +204,7 @@ mod tests {
             let candidate = candidates.iter().find(|c| c.effect == f.effect).unwrap();
             // At the size of a power of one half, and at the plausible one.
             let half = f.plausible * (f.least.unwrap() / f.plausible - NINETY / f.snr);
-            for (size, promised) in [(half, 0.5), (f.least.unwrap(), 0.9)] {
+            for (size, predicted) in [(half, 0.5), (f.least.unwrap(), 0.9)] {
                 let truth = candidate.shapes[0].columns.column(0) * size;
                 let runs = 400;
                 let mut called = 0;
@@ -215,7 +215,7 @@ mod tests {
                     called += usize::from(screen.finding(&f.effect).is_some_and(|s| s.significant));
                 }
                 let share = called as f64 / f64::from(runs);
-                assert!((share - promised).abs() < 0.08, "{}: {share} for {promised}", f.effect);
+                assert!((share - predicted).abs() < 0.08, "{}: {share} for {predicted}", f.effect);
             }
         }
     }

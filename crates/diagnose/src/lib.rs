@@ -23,7 +23,7 @@ pub mod segments;
 pub mod tails;
 pub mod words;
 
-pub use candidate::{Amplitude, Candidate, Shape, Side};
+pub use candidate::{Amplitude, Candidate, ShapeColumns, Side};
 pub use chance::{Chance, chances};
 pub use discover::discover;
 pub use foresee::{Foreseen, Shown, foresee};

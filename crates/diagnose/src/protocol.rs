@@ -7,7 +7,7 @@ pub(crate) const LIKE: Range<f64> = 0.77..1.3;
 
 /// A stretch of constant rate.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Piece {
+pub(crate) struct MotionPart {
     /// Points, the last shared with nobody: pieces tile the record.
     pub range: Range<usize>,
     /// Displacement per time.
@@ -34,7 +34,7 @@ pub(crate) fn displacement_noise(t: &[f64], u: &[f64]) -> f64 {
 
 /// Cuts the record where the rate changes (Douglas & Peucker 1973 on displacement against time, then
 /// neighbours of like rate are joined and each corner is moved to where two lines fit best).
-pub(crate) fn pieces(t: &[f64], u: &[f64]) -> Vec<Piece> {
+pub(crate) fn pieces(t: &[f64], u: &[f64]) -> Vec<MotionPart> {
     let n = t.len();
     if n < 2 {
         return Vec::new();
@@ -55,7 +55,7 @@ pub(crate) fn pieces(t: &[f64], u: &[f64]) -> Vec<Piece> {
         .map(|(k, w)| {
             let start = if k == 0 { 0 } else { w[0] + 1 };
             let (rate, hold) = motion(t, u, w[0], w[1], tolerance);
-            Piece { range: start..w[1] + 1, rate, hold }
+            MotionPart { range: start..w[1] + 1, rate, hold }
         })
         .filter(|p| !p.range.is_empty())
         .collect()

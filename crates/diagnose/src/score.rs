@@ -36,7 +36,7 @@ pub struct Finding {
     pub expected_fall: f64,
     /// p-value, shapes paid for.
     pub p_value: f64,
-    /// The same with the noise as estimated, where `p_value` assumes a sceptic's ([`Screen::beside`]): this one is uniform
+    /// The same with the noise as estimated, where `p_value` assumes the conservative noise ([`Screen::beside`]): this one is uniform
     /// where nothing is missing, the other decides.
     pub p_estimated: Option<f64>,
     /// Plain Bonferroni bound of the p-value, as a check.

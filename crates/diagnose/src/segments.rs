@@ -1,6 +1,6 @@
 //! A record cut into named segments: toe, load, hold, unload, reload, rate change, onset, peak, plateau, tail.
 
-use crate::protocol::{LIKE, Piece, displacement_noise, pieces};
+use crate::protocol::{LIKE, MotionPart, displacement_noise, pieces};
 use serde::Serialize;
 use std::ops::Range;
 
@@ -99,7 +99,7 @@ pub fn breaks(time: &[f64], displacement: &[f64]) -> Vec<usize> {
     pieces(&time[..n], &displacement[..n]).iter().skip(1).map(|p| p.range.start).collect()
 }
 
-fn label_motion(t: &[f64], u: &[f64], parts: &[Piece]) -> Vec<SegmentKind> {
+fn label_motion(t: &[f64], u: &[f64], parts: &[MotionPart]) -> Vec<SegmentKind> {
     let (low, high) = u.iter().fold((f64::MAX, f64::MIN), |(a, b), &x| (a.min(x), b.max(x)));
     let slack = (3.0 * displacement_noise(t, u)).max(2e-3 * (high - low));
     let mut labels = vec![SegmentKind::Load; u.len()];
@@ -180,7 +180,7 @@ fn mark_tearing(f: &[f64], labels: &mut [SegmentKind], peak: usize) {
 
 /// Runs of one label within one piece (loading goes on across pieces of one rate), tiny ones joined to the
 /// segment before, then numbered.
-fn name(labels: &[SegmentKind], parts: &[Piece]) -> Vec<Segment> {
+fn name(labels: &[SegmentKind], parts: &[MotionPart]) -> Vec<Segment> {
     let starts: Vec<usize> = parts.iter().map(|p| p.range.start).collect();
     let mut runs: Vec<(SegmentKind, Range<usize>)> = Vec::new();
     for (i, &kind) in labels.iter().enumerate() {

@@ -105,7 +105,7 @@ impl Family<'_> {
         (total * if two_sided { 2.0 } else { 1.0 }).clamp(SMALLEST, 1.0)
     }
 
-    /// How many of the draws reach `fall`.
+    /// How many of the draws are at least `fall`.
     fn exceedances(&self, fall: f64, policy: &Policy) -> usize {
         self.draws(policy).iter().filter(|d| **d >= fall).count()
     }

@@ -42,14 +42,14 @@ pub fn finding(f: &Finding, policy: &Policy) -> String {
             f.snr
         );
     }
-    let cautious = match f.p_estimated {
+    let conservative = match f.p_estimated {
         Some(p) if p < UNLIKELY && f.p_value >= UNLIKELY => {
             format!("; {} if the noise is as correlated as these records allow", p_value(f.p_value))
         }
         _ => String::new(),
     };
     format!(
-        "{name} is not called for ({}{cautious}), though a plausible amount would show.",
+        "{name} is not called for ({}{conservative}), though a plausible amount would show.",
         p_is(f.p_shown())
     )
 }

@@ -19,15 +19,15 @@ fn main() {
         }
         let jets = t.elapsed().as_secs_f64() / n as f64 * 1e9;
         let t = Instant::now();
-        let mut hand = false;
+        let mut given = false;
         for _ in 0..n {
-            if let Some(r) = law.hand_tangent(&ctx, std::hint::black_box(&f), p, &h, &mut new) {
+            if let Some(r) = law.analytic_tangent(&ctx, std::hint::black_box(&f), p, &h, &mut new) {
                 s += r.0[4];
-                hand = true;
+                given = true;
             }
         }
-        let by_hand = t.elapsed().as_secs_f64() / n as f64 * 1e9;
-        println!("{name:20} jets {jets:7.0} ns, hand {} {by_hand:7.0} ns {s:.1e}", hand);
+        let analytic = t.elapsed().as_secs_f64() / n as f64 * 1e9;
+        println!("{name:20} jets {jets:7.0} ns, analytic {given} {analytic:7.0} ns {s:.1e}");
     };
     time(&*base, &base_p, "hgo");
     for name in

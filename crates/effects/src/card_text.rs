@@ -36,7 +36,12 @@ pub fn markdown(catalogue: &Catalogue) -> String {
 /// One effect as a Markdown section.
 pub fn section(effect: &dyn Effect) -> String {
     let card = effect.card();
-    let mut out = format!("## {}\n\n{}\n\n```text\n{}\n```\n\n", card.name, card.summary, card.law);
+    let mut out = format!("## {}\n\n| | |\n|---|---|\n", card.name);
+    let stated = [("what is missing", card.summary.to_owned()), ("law", format!("`{}`", card.law))];
+    for (what, text) in stated.into_iter().chain(facts(effect)) {
+        let _ = writeln!(out, "| **{what}** | {} |", cell(&text));
+    }
+    out.push('\n');
     out.push_str("| parameter | key | neutral | bounds | start | meaning |\n|---|---|---|---|---|---|\n");
     for p in effect.parameters(&Options::new()) {
         let _ = writeln!(
@@ -49,10 +54,6 @@ pub fn section(effect: &dyn Effect) -> String {
             start(&p),
             cell(&p.description)
         );
-    }
-    out.push('\n');
-    for (what, text) in facts(effect) {
-        let _ = writeln!(out, "- **{what}**: {text}");
     }
     out
 }

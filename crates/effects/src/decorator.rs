@@ -47,9 +47,9 @@ impl<const G: usize> Call<'_, f64, G> {
         self.inner.energies(self.ctx, gradient, params, self.inner_old, new)
     }
 
-    /// Hand tangent of the inner law at another gradient or other parameters.
+    /// Analytic tangent of the inner law at another gradient or other parameters.
     pub fn inner_tangent(&self, gradient: &[f64; G], params: &[f64], new: &mut [f64]) -> Option<Tangent<G>> {
-        self.inner.hand_tangent(self.ctx, gradient, params, self.inner_old, new)
+        self.inner.analytic_tangent(self.ctx, gradient, params, self.inner_old, new)
     }
 
     /// The answer of the inner law at the same history for another gradient: nothing is recorded.
@@ -88,8 +88,8 @@ pub trait Decoration<const G: usize>: Send + Sync + 'static {
     /// Energies at a converged state.
     fn energies(&self, call: &Call<'_, f64, G>, inner_new: &[f64], new: &[f64]) -> Energy;
 
-    /// Tangent from the inner law's hand tangent, where that is cheap.
-    fn hand_tangent(
+    /// Tangent from the inner law's analytic tangent, where that is cheap.
+    fn analytic_tangent(
         &self,
         _call: &Call<'_, f64, G>,
         _inner_new: &mut [f64],
@@ -188,7 +188,7 @@ impl<D: Decoration<G>, const G: usize> Describe<G> for Decorated<D, G> {
         self.decoration.energies(&self.call(ctx, gradient, params, old), inner_new, new)
     }
 
-    fn hand_tangent(
+    fn analytic_tangent(
         &self,
         ctx: &Context,
         gradient: &[f64; G],
@@ -197,7 +197,7 @@ impl<D: Decoration<G>, const G: usize> Describe<G> for Decorated<D, G> {
         new: &mut [f64],
     ) -> Option<Tangent<G>> {
         let (inner_new, new) = new.split_at_mut(self.history);
-        self.decoration.hand_tangent(&self.call(ctx, gradient, params, old), inner_new, new)
+        self.decoration.analytic_tangent(&self.call(ctx, gradient, params, old), inner_new, new)
     }
 }
 

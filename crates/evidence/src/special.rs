@@ -20,10 +20,10 @@ pub fn erfcx(x: f64) -> f64 {
     1.0 / (tail * PI.sqrt())
 }
 
-/// ln Φ(x), Φ the standard normal distribution; exact far into the lower tail.
+/// ln Φ(x), Φ the standard normal distribution; exact far into the lower tail, where erfc underflows (above 26).
 pub fn ln_phi(x: f64) -> f64 {
     let u = -x * FRAC_1_SQRT_2;
-    if u > 2.0 { erfcx(u).ln() - u * u - LN_2 } else { (0.5 * erfc(u)).ln() }
+    if u > 25.0 { erfcx(u).ln() - u * u - LN_2 } else { (0.5 * erfc(u)).ln() }
 }
 
 /// Φ(x).

@@ -89,11 +89,10 @@ pub(crate) fn ln_box(mean: &DVector<f64>, covariance: &DMatrix<f64>, bounds: &[(
             let (a, b, _) = cut(k, &m, &c);
             ln_interval(a, b)
         };
-        let Some(at) = (0..left.len()).min_by(|&i, &j| ln_p(left[i]).total_cmp(&ln_p(left[j]))) else {
-            break;
-        };
+        let each: Vec<f64> = left.iter().map(|&k| ln_p(k)).collect();
+        let Some(at) = (0..left.len()).min_by(|&i, &j| each[i].total_cmp(&each[j])) else { break };
         let k = left.remove(at);
-        total += ln_p(k);
+        total += each[at];
         if left.is_empty() {
             break;
         }

@@ -7,7 +7,7 @@ use common::*;
 use constitutive::Context;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use fem::sensitivity::{Columns, columns_for};
-use fem::{History, NoObserver, Problem, State, System, hex8, march};
+use fem::{History, NoObserver, Problem, State, System, hex8, run_steps};
 use std::hint::black_box;
 use std::sync::Arc;
 
@@ -27,7 +27,7 @@ fn element(c: &mut Criterion) {
     let mut out = hex8::Tangent::default();
     let mut scratch = hex8::Scratch::default();
     group.throughput(Throughput::Elements(1));
-    group.bench_function("tangent, HGO by hand", |b| {
+    group.bench_function("tangent, HGO analytic", |b| {
         b.iter(|| {
             let geo = black_box(&system.geometry()[20]);
             hex8::tangent(
@@ -96,7 +96,7 @@ fn forward(c: &mut Criterion) {
     let mut group = c.benchmark_group("tear 8x20x2, quarter model, 20 steps");
     group.bench_function("force alone", |b| {
         b.iter(|| {
-            march(
+            run_steps(
                 &problem,
                 &theta,
                 &mut system,
@@ -114,7 +114,7 @@ fn forward(c: &mut Criterion) {
         b.iter(|| {
             let mut chunks = columns_for(&problem, &theta, &seeds);
             let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c as _).collect();
-            march(
+            run_steps(
                 &problem,
                 &theta,
                 &mut system,

@@ -4,7 +4,7 @@
 
 use fem::sensitivity::{Columns, columns_for};
 use fem::{
-    Blend, Body, MarchOptions, NoObserver, Path, Prescribed, Problem, System, Target, interface, march,
+    Blend, Body, NoObserver, Path, Prescribed, Problem, SteppingOptions, System, Target, interface, run_steps,
 };
 use mesh::{Sizing, Strip};
 use std::sync::Arc;
@@ -61,11 +61,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c as _).collect();
     let mut system = System::new(&problem)?;
     let plan: Vec<Target> = (0..=20).map(|i| Target::new(0.25 * f64::from(i), 1.0)).collect();
-    let options = MarchOptions { ledger: true, ..MarchOptions::default() };
-    let run =
-        march(&problem, &theta, &mut system, None, &plan, &mut columns, &NoObserver, options, None, &|| {
-            false
-        });
+    let options = SteppingOptions { ledger: true, ..SteppingOptions::default() };
+    let run = run_steps(
+        &problem,
+        &theta,
+        &mut system,
+        None,
+        &plan,
+        &mut columns,
+        &NoObserver,
+        options,
+        None,
+        &|| false,
+    );
 
     println!("u mm   F N       dF/dGc    dF/dσc");
     for s in &run.steps {

@@ -24,7 +24,7 @@ pub struct Ledger {
     pub rig: f64,
     /// Work of stiffness that changes in time.
     pub parametric: f64,
-    /// Set free in jumps at a standing actuator, by the path integral.
+    /// Set free in jumps at a held actuator, by the path integral.
     pub released_in_jumps: f64,
 }
 

@@ -111,14 +111,14 @@ impl Factor {
         let SymbolicCholeskyRaw::Supernodal(s) = self.symbolic.raw() else { return 0 };
         let mut negative = 0;
         for node in 0..s.n_supernodes() {
-            let (begin, end) = (s.supernode_begin()[node], s.supernode_end()[node]);
-            let columns = end - begin;
+            let (start, end) = (s.supernode_begin()[node], s.supernode_end()[node]);
+            let columns = end - start;
             let offset = s.col_ptr_for_val()[node];
             let rows = (s.col_ptr_for_val()[node + 1] - offset) / columns.max(1);
             let diagonal = |j: usize| self.factor[offset + j * rows + j];
             let mut j = 0;
             while j < columns {
-                let below = self.subdiagonal[begin + j];
+                let below = self.subdiagonal[start + j];
                 if below == 0.0 {
                     negative += usize::from(diagonal(j) < 0.0);
                     j += 1;

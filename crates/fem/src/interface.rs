@@ -32,16 +32,16 @@ impl Integration {
 
 const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
 
-/// Shape values and local derivatives at a point.
-struct Shape {
+/// Values of the shape functions and their local derivatives at a point.
+struct ShapeFunctions {
     n: [f64; 4],
     dxi: [f64; 4],
     deta: [f64; 4],
 }
 
-fn shape(q: usize, rule: Integration) -> Shape {
+fn shape(q: usize, rule: Integration) -> ShapeFunctions {
     let (x, e) = (CORNERS[q][0] * rule.coordinate(), CORNERS[q][1] * rule.coordinate());
-    Shape {
+    ShapeFunctions {
         n: CORNERS.map(|c| 0.25 * (1.0 + c[0] * x) * (1.0 + c[1] * e)),
         dxi: CORNERS.map(|c| 0.25 * c[0] * (1.0 + c[1] * e)),
         deta: CORNERS.map(|c| 0.25 * c[1] * (1.0 + c[0] * x)),
@@ -95,7 +95,12 @@ struct Opening<X> {
     area: X,
 }
 
-fn opening<X: Scalar>(x: &[[X; 3]; 4], lower: &[[X; 3]; 4], upper: &[[X; 3]; 4], s: &Shape) -> Opening<X> {
+fn opening<X: Scalar>(
+    x: &[[X; 3]; 4],
+    lower: &[[X; 3]; 4],
+    upper: &[[X; 3]; 4],
+    s: &ShapeFunctions,
+) -> Opening<X> {
     let r1 = combine(&s.dxi, x);
     let r2 = combine(&s.deta, x);
     let rn = cross(&r1, &r2);
@@ -287,11 +292,11 @@ pub fn mirrored_tangent(
         let d: f64 = (0..4).map(|a| 2.0 * s.n[a] * uy[a]).sum();
         let local = [d, 0.0, 0.0];
         let h = q * nh..(q + 1) * nh;
-        let (t, c) = match law.hand_tangent(&ctx[q], &local, &params[q], &old[h.clone()], &mut new[h.clone()])
-        {
-            Some(done) => done,
-            None => tangent_by_jets_3(law, &ctx[q], &local, &params[q], &old[h.clone()], &mut new[h]),
-        };
+        let (t, c) =
+            match law.analytic_tangent(&ctx[q], &local, &params[q], &old[h.clone()], &mut new[h.clone()]) {
+                Some(done) => done,
+                None => tangent_by_jets_3(law, &ctx[q], &local, &params[q], &old[h.clone()], &mut new[h]),
+            };
         if !(t[0].is_finite() && c[0][0].is_finite()) {
             return Err(ElementFault::Interface { element });
         }

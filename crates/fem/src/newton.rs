@@ -74,7 +74,7 @@ impl Step<'_> {
             state.actuator = u;
         }
         impose(self.problem, state.grip, &mut state.u);
-        let mut at = self.begin(system, state).map_err(|e| (e, 0))?;
+        let mut at = self.first_evaluation(system, state).map_err(|e| (e, 0))?;
         let mut merits: Vec<f64> = Vec::new();
         let mut near = None;
         let mut iteration = 0;
@@ -109,7 +109,7 @@ impl Step<'_> {
 
     /// Evaluates the guess, with the guessed pressures where they leave the smaller residual: displacements that
     /// are nearly right know their pressures better than any guess.
-    fn begin(&self, system: &mut System, state: &mut State) -> Result<Measure, FemError> {
+    fn first_evaluation(&self, system: &mut System, state: &mut State) -> Result<Measure, FemError> {
         let guess = std::mem::take(&mut state.pressure);
         if guess.len() == self.problem.body.hexes.len() {
             let at = self.evaluate(system, state, Pressures::Guessed(&guess))?;

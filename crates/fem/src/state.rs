@@ -104,8 +104,8 @@ impl State {
         Guess { u: self.u.clone(), pressure: self.pressure.clone() }
     }
 
-    /// Begins at a guess.
-    pub fn begin_at(&mut self, guess: Guess) {
+    /// Takes a guess as start.
+    pub fn start_from(&mut self, guess: Guess) {
         (self.u, self.pressure) = (guess.u, guess.pressure);
     }
 }

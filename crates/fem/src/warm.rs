@@ -1,8 +1,8 @@
 //! First guesses from an earlier run over the same plan: its states, moved by their derivatives to
 //! the new parameters.
 
-use crate::march::{Kept, Run};
 use crate::state::Guess;
+use crate::stepping::{Kept, Run};
 use std::sync::Arc;
 
 /// States of an earlier run over the same plan, with their derivatives where that run had them.

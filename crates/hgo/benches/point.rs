@@ -1,4 +1,4 @@
-//! Cost of one point of the law: stress, tangent by hand, tangent by jets.
+//! Cost of one point of the law: stress, analytic tangent, tangent by jets.
 
 use constitutive::{Context, Describe, Law, tangent_by_jets_9};
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -25,8 +25,8 @@ fn point(c: &mut Criterion) {
         group.bench_function("stress", |b| {
             b.iter(|| law.respond(&ctx, black_box(&f), black_box(&PARAMS[..]), &[], &mut []))
         });
-        group.bench_function("hand tangent", |b| {
-            b.iter(|| law.hand_tangent(&ctx, black_box(&f), black_box(&PARAMS[..]), &[], &mut []))
+        group.bench_function("analytic tangent", |b| {
+            b.iter(|| law.analytic_tangent(&ctx, black_box(&f), black_box(&PARAMS[..]), &[], &mut []))
         });
         group.bench_function("jet tangent", |b| {
             b.iter(|| tangent_by_jets_9(&law, &ctx, black_box(&f), black_box(&PARAMS[..]), &[], &mut []))

@@ -44,7 +44,7 @@ impl<S: Scalar> Family<S> {
     /// Both families.
     #[inline(always)]
     pub fn both(law: &Hgo, kin: &Kinematics<S>, params: &[S]) -> [Self; FAMILIES] {
-        // Not `map`, which is not inlined here and costs a fifth of the hand tangent.
+        // Not `map`, which is not inlined here and costs a fifth of the analytic tangent.
         let [a, b] = structure_tensors(params);
         [Self::new(law, kin, params[FIBRE_ONSET], a), Self::new(law, kin, params[FIBRE_ONSET], b)]
     }

@@ -219,7 +219,7 @@ impl Describe<9> for Hgo {
         Energy { stored, dissipated: 0.0 }
     }
 
-    fn hand_tangent(
+    fn analytic_tangent(
         &self,
         _ctx: &Context,
         gradient: &[f64; 9],

@@ -1,4 +1,4 @@
-//! The tangent by hand, in invariants: the hot path of the finite elements.
+//! The analytic tangent, in invariants: the hot path of the finite elements.
 //!
 //! With Ψ a function of J and x_a = H_a : C (matrix: H = I; two families), m = J^(−2/3), c = cof F,
 //! w_a the energy of x̄_a = m x_a, the parts of the stress are P = F·s + p c, and

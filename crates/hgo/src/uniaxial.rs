@@ -2,7 +2,7 @@
 //!
 //! F = diag(λx, λy, λz), with λy given and λx, λz such that P_xx = P_zz = 0. For a law that
 //! answers a diagonal F with a diagonal P: isotropic, or two symmetric families in the x–y plane.
-//! No memory is carried, so the law must have no history.
+//! No history is carried over, so the law must have no history.
 
 use constitutive::{Context, Jet, Law};
 

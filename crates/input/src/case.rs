@@ -166,6 +166,27 @@ pub struct Test {
     pub width_change_sd: Option<f64>,
     /// Opening from which the camera counts a point as torn, mm; `None`: δc.
     pub tear_front_opening: Option<f64>,
+    /// Stretches of the record that count less, more, or not at all in a fit; where two overlap, the later one holds.
+    pub weights: Vec<Weight>,
+}
+
+impl Test {
+    /// The weight of what was measured at a time; 0: left out of the fit.
+    pub fn weight_at(&self, time: f64) -> f64 {
+        let mine = |w: &&Weight| (w.from_s..=w.to_s).contains(&time);
+        self.weights.iter().rev().find(mine).map_or(1.0, |w| w.weight)
+    }
+}
+
+/// How much a stretch of a record counts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Weight {
+    /// Its first instant, s.
+    pub from_s: f64,
+    /// Its last instant, s.
+    pub to_s: f64,
+    /// Factor of its part in χ²; 0: left out.
+    pub weight: f64,
 }
 
 /// One leg of a protocol.

@@ -47,7 +47,7 @@ mod text;
 mod units;
 mod write;
 
-pub use case::{Averaged, Averages, Case, Ends, Geometry, Grips, Leg, Location, Record, Test};
+pub use case::{Averaged, Averages, Case, Ends, Geometry, Grips, Leg, Location, Record, Test, Weight};
 pub use config::{
     BulkConfig, Control, DiagnoseConfig, EffectConfig, Figure, IdentifyConfig, Integration, InterfaceConfig,
     MeshConfig, Mode, OptionValue, OutputConfig, Prior, PriorsConfig, Profile, SolverConfig, Symmetry, Value,

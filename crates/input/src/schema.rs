@@ -140,6 +140,7 @@ fn of_key(key: &Key, spelling: &str, factor: f64) -> Value {
         Kind::Parameter { limits, list, .. } => parameter(limits, factor, *list),
         Kind::Priors => json!({ "type": ["boolean", "string", "object"] }),
         Kind::Legs => json!({ "type": "array", "minItems": 1, "items": object(&of("tests.protocol")) }),
+        Kind::Weights => json!({ "type": "array", "items": object(&of("tests.weights")) }),
         Kind::Table if key.name == "effects" => json!({ "type": "object", "additionalProperties": false }),
         Kind::Table => object(&of(&key.name)),
         Kind::Tables => json!({ "type": "array", "minItems": 1, "items": object(&of(&key.name)) }),

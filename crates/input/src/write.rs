@@ -1,6 +1,6 @@
 //! A resolved case back to TOML, so that reading it gives an equal case.
 
-use crate::case::{Case, Ends, Geometry, Grips, Leg, Record, Test, absolute};
+use crate::case::{Case, Ends, Geometry, Grips, Leg, Record, Test, Weight, absolute};
 use crate::config::{
     BulkConfig, Control, DiagnoseConfig, EffectConfig, Figure, IdentifyConfig, Integration, InterfaceConfig,
     MeshConfig, Mode, OptionValue, OutputConfig, Profile, SolverConfig, Symmetry, Value,
@@ -179,6 +179,13 @@ fn test(w: &mut Writer, t: &Test, path: &impl Fn(&Record) -> PathBuf) {
     w.optional("tear_front_sd", Quantity::Length, t.tear_front_sd);
     w.optional("width_change_sd", Quantity::Length, t.width_change_sd);
     w.optional("tear_front_opening", Quantity::Length, t.tear_front_opening);
+    if !t.weights.is_empty() {
+        let one = |x: &Weight| {
+            let [from, to, weight] = [x.from_s, x.to_s, x.weight].map(float);
+            format!("{{ from_s = {from}, to_s = {to}, weight = {weight} }}")
+        };
+        w.line("weights", &format!("[{}]", t.weights.iter().map(one).collect::<Vec<_>>().join(", ")));
+    }
 }
 
 fn mesh(w: &mut Writer, m: &MeshConfig) {

@@ -19,7 +19,7 @@ impl Uncertainty {
     }
 }
 
-/// The interval with both arms `ratio` times as long, in the coordinate that it was made in, within the bounds.
+/// The interval with both sides `ratio` times as long, in the coordinate that it was made in, within the bounds.
 fn stretched(e: &Estimate, free: &Free, ratio: f64) -> [f64; 2] {
     // At a bound intervals are made in physical units.
     let plain = e.at_bound || free.transform == Transform::Identity;

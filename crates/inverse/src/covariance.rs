@@ -169,8 +169,8 @@ impl Uncertainty {
         DMatrix::from_fn(slope.len(), slope.len(), |i, j| self.covariance_z[(i, j)] * slope[i] * slope[j])
     }
 
-    pub(crate) fn estimate(&self, k: usize, arms: [f64; 2]) -> Estimate {
-        let [below, above] = arms.map(|arm| self.half_width * arm);
+    pub(crate) fn estimate(&self, k: usize, sides: [f64; 2]) -> Estimate {
+        let [below, above] = sides.map(|side| self.half_width * side);
         let (f, value) = (&self.free[k], self.theta[k]);
         let sd_z = self.covariance_z[(k, k)].max(0.0).sqrt();
         let scaled_sd = sd_z / self.scales[k];

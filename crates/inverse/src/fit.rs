@@ -1,16 +1,18 @@
 //! Bounded Levenberg–Marquardt with a true-objective acceptance test.
 //!
 //! Marquardt's scaling (a fit does not depend on the units of a parameter), steps as long as the trials
-//! before them allow (`reach`) and bent with the valley they follow (`bend`), an active set for the
+//! before them allow (`step_control`) and accelerated along the valley they follow (`acceleration`), an active set for the
 //! bounds, and a box around each step in the transformed coordinates, so that a direction that the data
 //! do not fix (a *sloppy* one, Transtrum, Machta & Sethna 2011) cannot run to infinity.
 
-use crate::bend::{Last, bent_step};
+use crate::acceleration::{Last, accelerated_step};
 use crate::linalg::Reduced;
-use crate::reach::Reach;
 use crate::step::{StepBox, bounded_step, length, moves};
+use crate::step_control::StepControl;
 use crate::whiten::{Whitened, Whitener};
-use crate::{Data, Fit, FitError, FitOptions, Free, Iterate, PredictError, Prediction, Problem, StopReason};
+use crate::{
+    Data, Fit, FitError, FitOptions, Free, Iterate, Objective, PredictError, Prediction, Problem, StopReason,
+};
 use nalgebra::DVector;
 use std::ops::ControlFlow;
 
@@ -69,7 +71,25 @@ pub fn fit(
     search.run(observer)
 }
 
-/// Trials of one step that may promise next to nothing.
+/// All points' misfit and the priors' rows.
+fn sum(map: &Whitener, data: &Data, prediction: &Prediction, whitened: &Whitened) -> f64 {
+    let priors = whitened.r.rows(whitened.rows.len(), whitened.prior_rows).norm_squared();
+    map.apply(&data.misfit(&prediction.values)).norm_squared() + priors
+}
+
+/// The objective at a prediction.
+pub(crate) fn objective(
+    data: &Data,
+    free: &[Free],
+    theta: &[f64],
+    prediction: &Prediction,
+    objective: Objective,
+) -> f64 {
+    let whitened = Whitened::new(data, free, theta, prediction, objective.noise());
+    sum(&Whitener::new(data, None, objective.noise()), data, prediction, &whitened)
+}
+
+/// Trials of one step whose predicted reduction may be next to nothing.
 const FEW_TRIALS: usize = 5;
 
 impl Search<'_> {
@@ -87,28 +107,28 @@ impl Search<'_> {
             return Ok(self.finish(state, 0, StopReason::NothingFree));
         }
         let zero = 1e-24 * self.objective_map.apply(&self.data.measured()).norm_squared();
-        let mut reach = Reach::new(self.options.initial_damping);
+        let mut control = StepControl::new(self.options.initial_damping);
         let mut last: Option<Last> = None;
         let (mut small, mut idle) = (0, 0);
         for iteration in 1..=self.options.max_iterations {
             if state.f <= zero {
                 return Ok(self.finish(state, iteration - 1, StopReason::Exact));
             }
-            if self.promise(&state) <= 1e-3 * self.options.tolerance {
+            if self.predicted_reduction(&state) <= 1e-3 * self.options.tolerance {
                 return Ok(self.finish(state, iteration - 1, StopReason::Stationary));
             }
-            let next = match self.advance(&state, iteration, &mut reach, last.as_ref(), observer)? {
+            let next = match self.advance(&state, iteration, &mut control, last.as_ref(), observer)? {
                 Advance::To(next) => *next,
                 Advance::Stop(best, reason) => {
                     let settled = reason == StopReason::NoDescent
-                        && self.promise(&state) < 10.0 * self.options.tolerance;
+                        && self.predicted_reduction(&state) < 10.0 * self.options.tolerance;
                     let reason = if settled { StopReason::Stationary } else { reason };
                     let taken = iteration - usize::from(best.is_none());
                     return Ok(self.finish(best.map_or(state, |b| *b), taken, reason));
                 }
             };
             let change = (state.f - next.f) / state.f;
-            let told = (state.f - next.f) / self.unit();
+            let told = (state.f - next.f) / self.options.unit(self.data);
             last = state.system.take().map(|s| Last { dz: &next.z - &state.z, whitened: s.whitened });
             state = next;
             idle = if told < self.options.insignificant { idle + 1 } else { 0 };
@@ -117,7 +137,7 @@ impl Search<'_> {
             }
             if change < self.options.tolerance {
                 small += 1;
-                if self.promise(&state) < 10.0 * self.options.tolerance {
+                if self.predicted_reduction(&state) < 10.0 * self.options.tolerance {
                     return Ok(self.finish(state, iteration, StopReason::Converged));
                 }
                 if small >= 3 {
@@ -132,25 +152,16 @@ impl Search<'_> {
         Ok(self.finish(state, n, reason))
     }
 
-    /// The objective that one unit of χ² stands for.
-    fn unit(&self) -> f64 {
-        match self.options.objective {
-            crate::Objective::Whitened | crate::Objective::Record => 1.0,
-            crate::Objective::PaperSum => {
-                self.data.blocks.iter().map(|b| b.noise.sd.powi(2)).fold(f64::INFINITY, f64::min)
-            }
-        }
-    }
-
-    /// Relative fall that an almost undamped step promises.
-    fn promise(&self, state: &State) -> f64 {
+    /// Predicted relative reduction of an almost undamped step.
+    fn predicted_reduction(&self, state: &State) -> f64 {
         state.system.as_ref().map_or(0.0, |System { reduced: system, scale: d, .. }| {
-            // In a sloppy valley the undamped step ends on many edges of its box and may promise
-            // nothing; a damped one then still does.
+            // In a sloppy valley the undamped step ends on many edges of its box and may predict
+            // no reduction; a damped one then still does.
             let space = self.step_box(state);
-            let fall = [1e-10, 1e-6, 1e-3, 1.0].map(|lambda| bounded_step(system, d, lambda, &space).fall);
-            let fall = fall.into_iter().fold(0.0, f64::max);
-            if state.f > 0.0 { fall / state.f } else { 0.0 }
+            let predicted =
+                [1e-10, 1e-6, 1e-3, 1.0].map(|lambda| bounded_step(system, d, lambda, &space).predicted);
+            let predicted = predicted.into_iter().fold(0.0, f64::max);
+            if state.f > 0.0 { predicted / state.f } else { 0.0 }
         })
     }
 
@@ -159,7 +170,7 @@ impl Search<'_> {
         &mut self,
         state: &State,
         iteration: usize,
-        reach: &mut Reach,
+        control: &mut StepControl,
         last: Option<&Last>,
         observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
     ) -> Result<Advance, FitError> {
@@ -168,22 +179,22 @@ impl Search<'_> {
         };
         let space = self.step_box(state);
         for trial in 0..self.options.max_trials {
-            let mut step = reach.step(system, d, &space);
+            let mut step = control.step(system, d, &space);
             let defect = last.and_then(|l| l.defect(whitened, d, &step.dz));
-            if let Some(bent) =
-                defect.and_then(|q| bent_step(whitened, d, reach.lambda, &space, &step.dz, &q))
+            if let Some(accelerated) =
+                defect.and_then(|q| accelerated_step(whitened, d, control.lambda, &space, &step.dz, &q))
             {
-                step = bent;
+                step = accelerated;
             }
-            let (lambda, far) = (reach.lambda, length(&step.dz, d));
-            // Many trials are for steps that promise something.
+            let (lambda, far) = (control.lambda, length(&step.dz, d));
+            // Many trials are for steps that predict a reduction.
             let worth = self.options.tolerance * if trial < FEW_TRIALS { 1e-3 } else { 1.0 };
-            if step.fall <= worth * state.f || !moves(&state.z, &step.dz) {
+            if step.predicted <= worth * state.f || !moves(&state.z, &step.dz) {
                 break;
             }
             match self.evaluate(&state.z + &step.dz, self.options.jacobian_with_trial) {
                 Ok(next) if next.f < state.f => {
-                    reach.learn(step.fall, Some(state.f - next.f), far);
+                    control.learn(step.predicted, Some(state.f - next.f), far);
                     let flow = self.record(iteration, Ok(&next), true, lambda, observer);
                     let next = self.with_jacobian(next)?;
                     return Ok(match (flow, next) {
@@ -193,14 +204,14 @@ impl Search<'_> {
                     });
                 }
                 Ok(next) => {
-                    reach.learn(step.fall, Some(state.f - next.f), far);
+                    control.learn(step.predicted, Some(state.f - next.f), far);
                     if self.record(iteration, Ok(&next), false, lambda, observer).is_break() {
                         return Ok(Advance::Stop(None, StopReason::Stopped));
                     }
                 }
                 Err(Failure::Fatal(e)) => return Err(e),
                 Err(Failure::Model(e)) => {
-                    reach.learn(step.fall, None, far);
+                    control.learn(step.predicted, None, far);
                     let theta = self.physical(&(&state.z + &step.dz));
                     let flow = self.record(iteration, Err(theta), false, lambda, observer);
                     if flow.is_break() || e == PredictError::Interrupted {
@@ -234,10 +245,10 @@ impl Search<'_> {
         for (k, f) in self.free.iter().enumerate() {
             let (lo, hi) = f.bounds_z();
             let bounded = (f.upper - f.lower).is_finite() || f.transform != params::Transform::Identity;
-            let reach =
+            let radius =
                 if bounded { self.options.max_step * f.natural_scale(state.theta[k]) } else { f64::INFINITY };
-            lower[k] = (lo - state.z[k]).max(-reach).min(0.0);
-            upper[k] = (hi - state.z[k]).min(reach).max(0.0);
+            lower[k] = (lo - state.z[k]).max(-radius).min(0.0);
+            upper[k] = (hi - state.z[k]).min(radius).max(0.0);
         }
         StepBox { lower, upper }
     }
@@ -254,11 +265,9 @@ impl Search<'_> {
         if prediction.jacobian.as_ref().is_some_and(|j| j.iter().any(|v| !v.is_finite())) {
             return Err(not_finite("jacobian"));
         }
-        let data_part = self.objective_map.apply(&self.data.misfit(&prediction.values)).norm_squared();
         let whitened =
             Whitened::new(self.data, self.free, &theta, &prediction, self.options.objective.noise());
-        let m = whitened.rows.len();
-        let prior_part = whitened.r.rows(m, whitened.prior_rows).norm_squared();
+        let f = sum(&self.objective_map, self.data, &prediction, &whitened);
         let system = prediction.jacobian.is_some().then(|| {
             let d = DVector::from_iterator(
                 theta.len(),
@@ -269,7 +278,7 @@ impl Search<'_> {
             );
             System { reduced: Reduced::new(&whitened.jacobian, &whitened.r), scale: d, whitened }
         });
-        Ok(State { z, theta, f: data_part + prior_part, prediction, system })
+        Ok(State { z, theta, f, prediction, system })
     }
 
     fn record(

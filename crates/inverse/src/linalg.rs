@@ -29,8 +29,8 @@ impl Reduced {
         self.r.tr_mul(&self.c)
     }
 
-    /// |r|² − |r − J x|²: the fall that the linear model promises.
-    pub fn fall(&self, x: &DVector<f64>) -> f64 {
+    /// |r|² − |r − J x|²: the reduction that the linear model predicts.
+    pub fn predicted_reduction(&self, x: &DVector<f64>) -> f64 {
         self.c.norm_squared() - (&self.c - &self.r * x).norm_squared()
     }
 }

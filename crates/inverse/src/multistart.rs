@@ -75,15 +75,15 @@ pub fn starts(free: &[Free], how: &MultiStart) -> Vec<Vec<f64>> {
 
 fn place(f: &Free, u: f64, spread: Spread) -> f64 {
     let (lo, hi) = f.bounds_z();
-    let around = |reach: f64| {
+    let around = |radius: f64| {
         let z = f.forward(f.start);
-        let d = reach * f.natural_scale(f.start);
+        let d = radius * f.natural_scale(f.start);
         ((z - d).max(lo), (z + d).min(hi))
     };
     let (a, b) = match spread {
         Spread::Bounds if (hi - lo).is_finite() => (lo, hi),
         Spread::Bounds => around(2.0),
-        Spread::Around(reach) => around(reach),
+        Spread::Around(radius) => around(radius),
     };
     f.backward(a + u * (b - a))
 }

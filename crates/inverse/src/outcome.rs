@@ -1,7 +1,7 @@
 //! How a fit is asked for, and what comes back.
 
 use crate::whiten::Noise;
-use crate::{DataError, PredictError, Prediction};
+use crate::{Data, DataError, PredictError, Prediction};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -65,6 +65,18 @@ impl Default for FitOptions {
     }
 }
 
+impl FitOptions {
+    /// The objective that one unit of χ² stands for.
+    pub(crate) fn unit(&self, data: &Data) -> f64 {
+        match self.objective {
+            Objective::Whitened | Objective::Record => 1.0,
+            Objective::PaperSum => {
+                data.blocks.iter().map(|b| b.noise.sd.powi(2)).fold(f64::INFINITY, f64::min)
+            }
+        }
+    }
+}
+
 /// One model run of the search: the start (iteration 0) or a trial step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Iterate {
@@ -90,11 +102,11 @@ pub enum StopReason {
     /// f is zero within rounding.
     Exact,
     /// f creeps: three steps in a row changed it by less than the tolerance, though the linear model
-    /// promises more (a sloppy valley).
+    /// predicts more (a sloppy valley).
     Flat,
     /// Three steps in a row changed χ² by less than what noise could ever tell apart.
     Insignificant,
-    /// No trial lowered f, though the linear model promises a fall (an objective rougher than its derivative).
+    /// No trial lowered f, though the linear model predicts a reduction (an objective rougher than its derivative).
     NoDescent,
     /// The largest number of iterations was reached.
     MaxIterations,
@@ -131,7 +143,7 @@ impl StopReason {
                 "f changes by less than the tolerance from step to step along a direction that the data hardly fix."
             }
             Self::NoDescent => {
-                "No shorter step lowers f although its derivative promises so: f is rough here (a jump moves, or the model's accuracy is reached)."
+                "No shorter step lowers f although its derivative predicts so: f is rough here (a jump moves, or the model's accuracy is reached)."
             }
             Self::MaxIterations => "The largest number of iterations was reached before f settled.",
             Self::Stopped => "The search was stopped from outside; the best parameters so far are given.",
@@ -163,7 +175,7 @@ pub struct Fit {
     pub history: Vec<Iterate>,
 }
 
-/// Why a fit could not begin or go on.
+/// Why a fit could not start or go on.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum FitError {
     /// The data are described wrongly.
@@ -175,7 +187,7 @@ pub enum FitError {
     /// No start: the model cannot be computed at the start values.
     #[error("no fit from these start values: {0}")]
     Start(PredictError),
-    /// The model broke its promise (wrong length, no jacobian, numbers that are not finite).
+    /// The model broke its contract (wrong length, no jacobian, numbers that are not finite).
     #[error("the model's answer cannot be used: {0}")]
     Contract(String),
 }

@@ -12,7 +12,7 @@ pub struct BlockQuality {
     pub name: String,
     /// Points that took part.
     pub points: usize,
-    /// Share of the fitted parameters that this block pays for (trace of its part of the hat matrix).
+    /// Share of the fitted parameters that this block determines (trace of its part of the hat matrix).
     pub degrees_of_freedom: f64,
     /// Root mean square misfit, unit of the block.
     pub rms: f64,

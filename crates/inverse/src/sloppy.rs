@@ -36,10 +36,10 @@ impl Uncertainty {
             return String::from("No parameter takes part in this direction.");
         };
         let sign = v[first].signum();
-        let reach = 1.0 / self.singular_values[column].max(1e-300);
+        let length = 1.0 / self.singular_values[column].max(1e-300);
         let moves: Vec<String> = leading
             .iter()
-            .map(|&k| format!("{} {}", self.free[k].path, self.percentage(k, sign * v[k] * reach)))
+            .map(|&k| format!("{} {}", self.free[k].path, self.percentage(k, sign * v[k] * length)))
             .collect();
         if let [only] = moves.as_slice() {
             return format!("The record hardly fixes {}: {only} raises χ² by only 1.", self.free[first].path);

@@ -9,10 +9,10 @@ pub(crate) struct StepBox {
     pub upper: DVector<f64>,
 }
 
-/// A step and the fall of the objective that the linear model promises for it.
+/// A step and the reduction of the objective that the linear model predicts for it.
 pub(crate) struct Step {
     pub dz: DVector<f64>,
-    pub fall: f64,
+    pub predicted: f64,
 }
 
 /// min |r − J dz|² + λ Σ d dz² inside the box, by an active set: a variable at the edge of the box that
@@ -55,11 +55,11 @@ pub(crate) fn bounded_step(system: &Reduced, d: &DVector<f64>, lambda: f64, spac
             left = true;
         }
         if !left {
-            let fall = system.fall(&dz);
-            return Step { dz, fall };
+            let predicted = system.predicted_reduction(&dz);
+            return Step { dz, predicted };
         }
     }
-    Step { dz: DVector::zeros(p), fall: 0.0 }
+    Step { dz: DVector::zeros(p), predicted: 0.0 }
 }
 
 /// √Σ d dz²: the length of a step in Marquardt's scale.
@@ -91,6 +91,6 @@ mod tests {
         assert!((step.dz[0] - 0.1).abs() < 1e-12 && (step.dz[1] - 9.0).abs() < 1e-9, "{}", step.dz);
         // |r|² − |r − J dz|²
         let left = &r - &j * &step.dz;
-        assert!((step.fall - (r.norm_squared() - left.norm_squared())).abs() < 1e-9);
+        assert!((step.predicted - (r.norm_squared() - left.norm_squared())).abs() < 1e-9);
     }
 }

@@ -46,7 +46,17 @@ fn section(card: &LawCard, specs: &[ParamSpec], options: &[OptionSpec], keys: &[
         let key = keys.iter().find(|k| k.name == name);
         key.map_or_else(|| (name.to_owned(), 1.0), |k| k.spellings().swap_remove(0))
     };
-    let mut out = format!("\n### {}\n\n{}\n\n```text\n{}\n```\n\n", card.name, card.summary, card.equation);
+    let mut out = format!("\n### {}\n\n| | |\n|---|---|\n", card.name);
+    let settings = options.iter().map(|o| (format!("`{}`", o.name), o.description.to_string()));
+    let stated = [
+        ("**for**".to_owned(), card.summary.to_owned()),
+        ("**law**".to_owned(), format!("`{}`", card.equation)),
+        ("**source**".to_owned(), card.reference.to_owned()),
+    ];
+    for (what, text) in stated.into_iter().chain(settings) {
+        let _ = writeln!(out, "| {what} | {} |", cell(&text));
+    }
+    out.push('\n');
     out.push_str(
         "| parameter | key | start | bounds of a search | prior | is |\n|---|---|---|---|---|---|\n",
     );
@@ -73,10 +83,6 @@ fn section(card: &LawCard, specs: &[ParamSpec], options: &[OptionSpec], keys: &[
                 writeln!(out, "| {}/{} | `{key}` | | | | {} |", number(r.numerator), p.symbol, r.description);
         }
     }
-    for o in options {
-        let _ = writeln!(out, "\nSetting `{}`: {}.", o.name, o.description);
-    }
-    let _ = writeln!(out, "\nSource: {}.", card.reference);
     out
 }
 

@@ -1,7 +1,7 @@
 //! Dimensions of the specimen: from a file of the user's, else from the record's header.
 
 use crate::error::{ImportError, short, visible};
-use crate::header::Said;
+use crate::header::HeaderEntry;
 use crate::words::Dimension;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -73,7 +73,7 @@ impl Geometry {
     }
 
     /// Adds what the header of a record says; what is known already stays. Remarks where both differ.
-    pub fn add(&mut self, said: &[Said]) -> Vec<String> {
+    pub fn add(&mut self, said: &[HeaderEntry]) -> Vec<String> {
         let mut remarks = Vec::new();
         for s in said {
             let slot = match s.about {

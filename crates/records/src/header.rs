@@ -10,7 +10,7 @@ use serde::Serialize;
 
 /// One thing that the header says.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Said {
+pub struct HeaderEntry {
     /// What it is about.
     pub about: Dimension,
     /// In mm or mm/s; `None` for a name, or a number without a unit.
@@ -31,8 +31,8 @@ pub(crate) fn read(
     blocks: &[Block],
     locale: Locale,
     hints: &Hints,
-) -> Vec<Said> {
-    let mut out: Vec<Said> = Vec::new();
+) -> Vec<HeaderEntry> {
+    let mut out: Vec<HeaderEntry> = Vec::new();
     let in_table = |k: usize| {
         blocks
             .iter()
@@ -53,7 +53,7 @@ pub(crate) fn read(
 }
 
 /// `key, value, unit`, or `key: value unit` in one cell.
-fn of_line(cells: &[String], k: usize, locale: Locale, hints: &Hints) -> Option<Said> {
+fn of_line(cells: &[String], k: usize, locale: Locale, hints: &Hints) -> Option<HeaderEntry> {
     let first = cells.first()?;
     let (bare, unit) = units::split(first.trim_end_matches([':', '=', ' ']));
     let (about, unit, written, unit_after) = match dimension(&bare) {
@@ -73,7 +73,7 @@ fn of_line(cells: &[String], k: usize, locale: Locale, hints: &Hints) -> Option<
     }
     let measure = match about {
         Dimension::Name | Dimension::Note => {
-            return Some(Said { about, value: None, text: written, row: k + 1 });
+            return Some(HeaderEntry { about, value: None, text: written, row: k + 1 });
         }
         Dimension::Rate => Measure::Speed,
         _ => Measure::Length,
@@ -95,7 +95,7 @@ fn of_line(cells: &[String], k: usize, locale: Locale, hints: &Hints) -> Option<
         (Some(unit), false) => format!("{written} {unit}"),
         _ => written,
     };
-    Some(Said { about, value: scaled, text, row: k + 1 })
+    Some(HeaderEntry { about, value: scaled, text, row: k + 1 })
 }
 
 /// `0.1 mm/min` into number and unit.

@@ -8,7 +8,7 @@ use crate::encoding;
 use crate::error::{Fault, ImportError, Question};
 use crate::faults::{self, Found};
 use crate::geometry::Geometry;
-use crate::header::{self, Said};
+use crate::header::{self, HeaderEntry};
 use crate::inspect::inspect;
 use crate::layout::{self, Block, FEWEST};
 use crate::physics::{self, Proposal};
@@ -103,7 +103,7 @@ pub struct Import {
     /// How it was read.
     pub reading: Reading,
     /// What stands before its tables.
-    pub header: Vec<Said>,
+    pub header: Vec<HeaderEntry>,
     /// Conversions.
     pub done: Vec<String>,
     /// What the user should know.

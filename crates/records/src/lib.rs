@@ -53,7 +53,7 @@ pub use columns::Understood;
 pub use error::{Choice, Fault, ImportError, Question, quoted, visible};
 pub use faults::Found;
 pub use geometry::Geometry;
-pub use header::Said;
+pub use header::HeaderEntry;
 pub use import::{Import, Reading, Test, import, import_bytes};
 pub use output::specimen;
 pub use physics::Proposal;

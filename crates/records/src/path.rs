@@ -5,14 +5,14 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// A piece between two corners and the point of it that lies farthest from the chord.
-struct Piece {
+struct Stretch {
     deviation: f64,
     from: usize,
     to: usize,
     at: usize,
 }
 
-impl Piece {
+impl Stretch {
     fn new(t: &[f64], x: &[f64], from: usize, to: usize) -> Self {
         let slope = if t[to] > t[from] { (x[to] - x[from]) / (t[to] - t[from]) } else { 0.0 };
         let mut piece = Self { deviation: 0.0, from, to, at: from };
@@ -26,18 +26,18 @@ impl Piece {
     }
 }
 
-impl PartialEq for Piece {
+impl PartialEq for Stretch {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
-impl Eq for Piece {}
-impl PartialOrd for Piece {
+impl Eq for Stretch {}
+impl PartialOrd for Stretch {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
-impl Ord for Piece {
+impl Ord for Stretch {
     fn cmp(&self, other: &Self) -> Ordering {
         self.deviation.total_cmp(&other.deviation).then(other.from.cmp(&self.from))
     }
@@ -48,21 +48,21 @@ impl Ord for Piece {
 pub(crate) fn corners(t: &[f64], x: &[f64], tolerance: f64, most: usize) -> Vec<usize> {
     let Some(last) = t.len().checked_sub(1) else { return Vec::new() };
     let mut out = vec![0, last];
-    let mut open = BinaryHeap::from([Piece::new(t, x, 0, last)]);
+    let mut open = BinaryHeap::from([Stretch::new(t, x, 0, last)]);
     while let Some(piece) = open.pop() {
         if piece.deviation <= tolerance || out.len() >= most.max(2) {
             break;
         }
         out.push(piece.at);
-        open.push(Piece::new(t, x, piece.from, piece.at));
-        open.push(Piece::new(t, x, piece.at, piece.to));
+        open.push(Stretch::new(t, x, piece.from, piece.at));
+        open.push(Stretch::new(t, x, piece.at, piece.to));
     }
     out.sort_unstable();
     out.dedup();
     // The first corners were chosen on long chords: on a plateau anywhere. Those that later ones made needless go.
     let mut k = 1;
     while k + 1 < out.len() {
-        if Piece::new(t, x, out[k - 1], out[k + 1]).deviation <= tolerance {
+        if Stretch::new(t, x, out[k - 1], out[k + 1]).deviation <= tolerance {
             out.remove(k);
         } else {
             k += 1;

@@ -103,8 +103,8 @@ pub(crate) fn clock(rows: &mut Rows, choices: &Choices) -> Result<Option<String>
     let Some(rate) = choices.rate else { return Ok(None) };
     let u = &rows.displacement;
     let path: f64 = u.windows(2).map(|w| (w[1] - w[0]).abs()).sum();
-    let standing = u.windows(2).position(|w| (w[1] - w[0]).abs() < 1e-9 * path);
-    if let Some(at) = standing {
+    let at_rest = u.windows(2).position(|w| (w[1] - w[0]).abs() < 1e-9 * path);
+    if let Some(at) = at_rest {
         return Err(Fault {
             row: rows.row.get(at + 1).map(|r| *r as usize),
             column: None,

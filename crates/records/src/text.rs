@@ -64,9 +64,9 @@ pub(crate) fn cut(line: &str, delimiter: char, into: &mut Vec<Range<usize>>) {
     let bytes = line.as_bytes();
     let mut at = 0;
     loop {
-        let begin = at + bytes[at..].iter().take_while(|b| **b == b' ').count();
-        if bytes.get(begin) == Some(&b'"')
-            && let Some((inside, next)) = quoted(line, begin, delimiter)
+        let start = at + bytes[at..].iter().take_while(|b| **b == b' ').count();
+        if bytes.get(start) == Some(&b'"')
+            && let Some((inside, next)) = quoted(line, start, delimiter)
         {
             into.push(inside);
             match next {
@@ -85,8 +85,8 @@ pub(crate) fn cut(line: &str, delimiter: char, into: &mut Vec<Range<usize>>) {
 }
 
 /// The inside of a quoted cell, and where the next one begins.
-fn quoted(line: &str, begin: usize, delimiter: char) -> Option<(Range<usize>, Option<usize>)> {
-    let mut at = begin + 1;
+fn quoted(line: &str, start: usize, delimiter: char) -> Option<(Range<usize>, Option<usize>)> {
+    let mut at = start + 1;
     loop {
         let close = at + line[at..].find('"')?;
         if line[close + 1..].starts_with('"') {
@@ -94,7 +94,7 @@ fn quoted(line: &str, begin: usize, delimiter: char) -> Option<(Range<usize>, Op
             continue;
         }
         let rest = line[close + 1..].trim_start_matches(' ');
-        let inside = trimmed(line, begin + 1..close);
+        let inside = trimmed(line, start + 1..close);
         if rest.is_empty() {
             return Some((inside, None));
         }

@@ -5,7 +5,7 @@ use crate::answer::TestCurve;
 use analysis::{Identified, Residuals, SimulatedTest};
 use diagnose::segments::cut;
 use diagnose::{RecordKind, Segment, SegmentKind};
-use input::{Record, TestKind};
+use input::{Record, Test};
 use model::Channel;
 
 /// Columns of a curve's file that are no camera channel.
@@ -35,6 +35,8 @@ pub struct Curve {
     pub columns: Vec<(String, Vec<Option<f64>>)>,
 }
 
+/// Segment of rows that the file leaves out of the fit.
+pub const LEFT_OUT: &str = "left out";
 /// The model's tear front, a column.
 const TEAR_FRONT: &str = "tear_front_model_mm";
 
@@ -75,7 +77,7 @@ fn measured_curves(done: &Identified) -> Vec<Curve> {
                 displacement: record.displacement.clone(),
                 measured: record.force.clone(),
                 model: model.to_vec(),
-                segment: segments(record, test.kind),
+                segment: segments(record, test),
                 noise: block.noise.sd,
                 cut: done.model.case.geometry.cut,
                 columns: Vec::new(),
@@ -117,16 +119,19 @@ pub fn simulated_curve(name: &str, t: &TestCurve) -> Curve {
 }
 
 /// The user's names of segments, or our own.
-fn segments(record: &Record, kind: TestKind) -> Vec<String> {
-    if let Some(given) = &record.segment {
-        return given.clone();
-    }
-    let kind = if kind.tears { RecordKind::Tearing } else { RecordKind::Intact };
-    let mut out = vec![String::new(); record.len()];
-    for s in cut(&record.time, &record.displacement, &record.force, kind) {
-        for name in &mut out[s.range] {
-            name.clone_from(&s.name);
+fn segments(record: &Record, test: &Test) -> Vec<String> {
+    let kind = if test.kind.tears { RecordKind::Tearing } else { RecordKind::Intact };
+    let mut out = record.segment.clone().unwrap_or_else(|| {
+        let mut out = vec![String::new(); record.len()];
+        for s in cut(&record.time, &record.displacement, &record.force, kind) {
+            for name in &mut out[s.range] {
+                name.clone_from(&s.name);
+            }
         }
+        out
+    });
+    for (name, _) in out.iter_mut().zip(&record.time).filter(|(_, t)| test.weight_at(**t) == 0.0) {
+        LEFT_OUT.clone_into(name);
     }
     out
 }
@@ -161,6 +166,11 @@ impl Curve {
         self.measured.iter().zip(&self.model).map(|(m, c)| m - c).collect()
     }
 
+    /// Whether a row takes no part in the fit.
+    pub fn is_left_out(&self, row: usize) -> bool {
+        self.segment.get(row).is_some_and(|s| s == LEFT_OUT)
+    }
+
     /// Stretches of equal segment names; the kind is of no use here.
     pub(crate) fn segments(&self) -> Vec<Segment> {
         let mut out: Vec<Segment> = Vec::new();
@@ -183,7 +193,13 @@ impl Curve {
             time: self.time.clone(),
             displacement: self.displacement.clone(),
             force: self.measured.clone(),
-            misfit: self.residual(),
+            // What the user left out is no fault of the model.
+            misfit: self
+                .residual()
+                .iter()
+                .enumerate()
+                .map(|(i, r)| if self.is_left_out(i) { 0.0 } else { *r })
+                .collect(),
             noise: self.noise,
             segments: self.segments(),
             tear_front: front.and_then(|c| c.1.iter().map(beyond).collect()).unwrap_or_default(),

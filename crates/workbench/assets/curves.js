@@ -2,6 +2,7 @@
 import { byId, el, fill, show } from "./dom.js";
 import { overlay } from "./server.js";
 import { draw } from "./plot.js";
+import * as stretch from "./stretch.js";
 
 const axes = { u: "displacement, mm", t: "time, s", front: "tear front of the model, mm" };
 let axis = "u", curves = [], jacobian = null, shift = null, live = {}, adds = null, hovered = null, cursor = null, run = "";
@@ -100,6 +101,7 @@ export function set(state) {
       el("canvas", { class: "misfit", role: "img" }))));
   }
   byId("curves").hidden = curves.length === 0;
+  stretch.set(state);
   for (const button of byId("axis").children) {
     button.disabled = button.dataset.axis === "front" && !curves.some(c => c.front);
   }
@@ -116,9 +118,11 @@ export function paint() {
 function paintOne(figure, curve) {
   const begun = performance.now(), x = curve[axis] ?? curve.u, label = curve[axis] ? axes[axis] : axes.u;
   const now = live[curve.test]?.length === curve.f.length ? live[curve.test] : null;
-  const moved = now ?? linear(curve), series = [];
+  const moved = now ?? linear(curve), series = [], out = curve.t.map(t => stretch.weight(curve.test, t) === 0), some = out.includes(true);
+  const only = (y, left) => some ? y.map((v, i) => out[i] === left ? v : null) : left ? [] : y;
   if (curve.noise) series.push({ y: curve.f, kind: "band", colour: "band", half: 2 * curve.noise });
-  series.push({ y: curve.f, kind: "dots", colour: "record" });
+  series.push({ y: only(curve.f, false), kind: "dots", colour: "record" });
+  if (some) series.push({ y: only(curve.f, true), kind: "dots", colour: "line" });
   if (curve.m) series.push({ y: curve.m, kind: now ? "dash" : "line", colour: "model" });
   if (now) series.push({ y: now, kind: "line", colour: "linear" });
   else if (moved) series.push({ y: moved, kind: "dash", colour: "linear" });
@@ -129,17 +133,19 @@ function paintOne(figure, curve) {
   const here = cursor?.test === curve.test ? cursor.row : null;
   if (here !== null) series.push({ y: x.map((_, i) => i === here ? (moved ?? curve.m ?? curve.f)[i] : null), kind: "ring", colour: "ink" });
   const [force, misfit] = figure.querySelectorAll("canvas");
-  draw(force, { x, series, xlabel: label, ylabel: "force, N" });
+  const chosen = stretch.chosen(curve.test);
+  if (chosen) series.push({ y: curve.f.map((v, i) => chosen.has(i) ? v : null), kind: "dots", colour: "accent" });
+  stretch.place(force, curve, x, draw(force, { x, series, xlabel: label, ylabel: "force, N" }));
   misfit.hidden = !curve.m && !now;
   const rest = (moved ?? curve.m)?.map((m, i) => curve.f[i] - m);
   if (rest) {
     const zero = rest.map(() => 0), band = { y: zero, kind: "band", colour: "band", half: 2 * curve.noise };
     const more = hovered && added(curve.test, hovered);
     figure.dataset.hovered = more ? hovered : "";
-    draw(misfit, { x, series: [band, { y: rest, kind: "dots", colour: moved ? "linear" : "model" },
+    draw(misfit, { x, series: [band, { y: only(rest, false), kind: "dots", colour: moved ? "linear" : "model" }, { y: only(rest, true), kind: "dots", colour: "line" },
       ...more ? [{ y: more, kind: "line", colour: "accent" }] : []],
       least: [[-2 * curve.noise, 2 * curve.noise]], xlabel: label, ylabel: "misfit, N" });
-    const rms = Math.sqrt(rest.reduce((s, r) => s + r * r, 0) / rest.length);
+    const used = only(rest, false).filter(r => r !== null), rms = Math.sqrt(used.reduce((s, r) => s + r * r, 0) / Math.max(1, used.length));
     misfit.setAttribute("aria-label", `Misfit of ${curve.test}: root mean square ${show(rms)} N, noise ${show(curve.noise)} N`);
     figure.dataset.rms = rms;
   }
@@ -148,7 +154,8 @@ function paintOne(figure, curve) {
   figure.dataset.ms = performance.now() - begun;
 }
 
-export function begin() {
+export function begin(ask) {
+  stretch.begin(ask, paint);
   for (const button of byId("axis").children) button.addEventListener("click", () => {
     axis = button.dataset.axis;
     for (const b of byId("axis").children) b.setAttribute("aria-pressed", b === button);

@@ -64,12 +64,22 @@ function strength(name, word) {
   return el("div", {}, el("dt", {}, word), el("dd", {}, told, low !== null && high !== null ? el("small", {}, ` 95 %: ${show(low)} … ${show(high)}`) : null));
 }
 
+// The effects in question in a few words.
+function probable() {
+  const present = now.specimen?.effects ?? [], by = now.diagnosis?.posterior?.effects;
+  const names = by ? Object.entries(by).filter(e => e[1] >= 0.1).sort((a, b) => b[1] - a[1]).map(([e, p]) => [e, ` ${percent(p)}`])
+    : (now.diagnosis?.screen ?? []).filter(r => r.significant).map(r => [r.effect, ""]);
+  return names.filter(e => !present.includes(e[0])).slice(0, 3).map(e => e.join(""));
+}
+
 function lead() {
-  const fit = now.steps[now.cursor]?.fit, found = now.diagnosis?.screen?.filter(r => r.significant).slice(0, 3).map(r => r.effect) ?? [];
+  const fit = now.steps[now.cursor]?.fit, found = probable();
   fill(byId("key"), strength("gc", "fracture energy Gc"), strength("sigma_c", "strength σc"),
     fit ? el("div", {}, el("dt", {}, "misfit"), el("dd", { id: "rest" }, `${percent(fit.share_of_peak)} of the peak`)) : null,
-    found.length ? el("div", {}, el("dt", {}, "called for"), el("dd", {}, found.join(", "))) : null);
-  const said = !now.specimen ? "Drop a record to begin. Nothing leaves this machine."
+    found.length ? el("div", {}, el("dt", {}, now.diagnosis.posterior ? "probably missing" : "called for"), el("dd", {}, found.join(", "))) : null);
+  const said = now.import?.failed ? "The files leave something open: see beneath."
+    : now.import?.answer && !now.specimen ? "Say which file is which test, and give the dimensions of the strip."
+    : !now.specimen ? "Drop a record to begin. Nothing leaves this machine."
     : !fit ? "Fit the model, or move its parameters."
     : fit.explained ? "The model explains the records to their noise."
     : `The model misses the records: χ² is ${show(fit.reduced_chi2)} per degree of freedom.${now.diagnosis ? "" : " Ask what is missing."}`;
@@ -144,7 +154,13 @@ function iterate(p) {
   if (objective.length > 1) sparkline(byId("fall"), objective);
 }
 
-const go = by => { const step = now.cursor + by; if (step >= 0 && step < now.steps.length) ask({ do: "go", step }); };
+// Two in a row are two, though the state of the first is still on its way.
+const go = by => {
+  const step = now.cursor + by;
+  if (step < 0 || step >= now.steps.length) return;
+  now.cursor = step;
+  ask({ do: "go", step });
+};
 
 // Back to the last step whose values were found, not set by hand.
 function reset() {
@@ -164,7 +180,7 @@ function keys(event) {
 record.begin(ask, tell);
 missing.begin(ask, tell);
 sliders.begin(ask);
-curves.begin();
+curves.begin(ask);
 strip.begin();
 byId("reset").addEventListener("click", reset);
 byId("fit").addEventListener("click", () => ask({ do: "fit" }));

@@ -31,35 +31,63 @@ function stairs(state) {
   byId("stairs").hidden = steps.length === 0;
 }
 
-// How much an effect is in question: its probability where the search gives one, else the share of χ² that it would take.
-function amounts(diagnosis) {
-  const posterior = diagnosis.posterior?.effects;
-  return row => posterior ? posterior[row.effect] ?? 0 : row.expected_fall;
+// Effects in question, the most probable first: by the probabilities of the search where there are any, else by the share of χ²
+// that the screen expects each to take. What these records cannot tell apart stands together.
+export function ranked(d, present = []) {
+  const by = d.posterior?.effects, screen = new Map((d.screen ?? []).map(r => [r.effect, r]));
+  const names = by ? [...new Set([...Object.keys(by), ...screen.keys()])] : [...screen.keys()];
+  const amount = name => Math.max(0, Math.min(1, (by ? by[name] : screen.get(name)?.expected_fall) ?? 0));
+  const rows = names.filter(n => !present.includes(n)).map(n => ({ effect: n, share: amount(n), row: screen.get(n) ?? null }));
+  if (by) rows.sort((a, b) => b.share - a.share);
+  const out = [], alike = (a, b) => a.row?.look_alikes.includes(b.effect) || b.row?.look_alikes.includes(a.effect);
+  const shown = rows.slice(0, 12).filter(r => !by || r.share >= 0.005 || r.row?.significant);
+  while (shown.length) {
+    const group = [shown.shift()];
+    // Only what is called for has look-alikes worth a name.
+    const wanted = by ? group[0].share >= 0.02 : group[0].row?.significant;
+    for (let k = 0; wanted && k < shown.length;) if (alike(group[0], shown[k])) group.push(...shown.splice(k, 1)); else k++;
+    out.push(group);
+  }
+  return out;
+}
+
+function share(part) {
+  const bar = el("span", { class: "share", "aria-hidden": "true" }, el("span", {}));
+  bar.firstChild.style.width = `${100 * Math.max(0, Math.min(1, part))}%`;
+  return bar;
 }
 
 function bars(state) {
-  const d = state.diagnosis, present = state.specimen?.effects ?? [], amount = d ? amounts(d) : null;
+  const d = state.diagnosis, present = state.specimen?.effects ?? [], posterior = d?.posterior;
   const dropping = present.map(e => el("li", { class: "present" }, el("b", {}, e), el("span", { class: "muted" }, "in the model"),
     el("button", { type: "button", "data-drop": e, onclick: () => ask({ do: "drop", effect: e }) }, `Take ${e} away`)));
-  const rows = (d?.screen ?? []).filter(r => !present.includes(r.effect)).slice(0, 12).map(r => {
-    const share = Math.max(0, Math.min(1, amount(r))), bar = el("span", { class: "share", "aria-hidden": "true" }, el("span", {}));
-    bar.firstChild.style.width = `${100 * share}%`;
-    const told = d.posterior ? `probability ${percent(share)}` : `would take ${percent(share)} of χ²`;
-    const look = on => () => curves.hover(on ? r.effect : null);
-    return el("li", { class: r.significant ? "" : "faint", "data-effect": r.effect, onmouseenter: look(true), onmouseleave: look(false),
+  const one = ({ effect, share: part, row }) => {
+    const told = posterior ? `probability ${percent(part)}` : `would take ${percent(part)} of χ²`;
+    const look = on => () => curves.hover(on ? effect : null);
+    return el("li", { class: (posterior ? part >= 0.1 : row.significant) ? "" : "faint", "data-effect": effect, onmouseenter: look(true), onmouseleave: look(false),
       onfocusin: look(true), onfocusout: look(false) },
-      el("button", { type: "button", class: "name", title: "its card", "data-card": r.effect, onclick: () => card(r.effect) }, el("b", {}, r.effect)), bar, el("span", { class: "muted" }, told),
-      el("button", { type: "button", "data-add": r.effect, onclick: () => ask({ do: "add", effect: r.effect }) }, `Add ${r.effect}`),
-      el("p", {}, r.sentence, r.look_alikes.length ? ` These records cannot tell it from ${r.look_alikes.join(", ")}.` : ""));
+      el("button", { type: "button", class: "name", title: "its card", "data-card": effect, onclick: () => card(effect) }, el("b", {}, effect)), share(part), el("span", { class: "muted" }, told),
+      el("button", { type: "button", "data-add": effect, onclick: () => ask({ do: "add", effect }) }, `Add ${effect}`),
+      row ? el("p", {}, row.sentence) : null);
+  };
+  const groups = (d ? ranked(d, present) : []).map(group => group.length === 1 ? one(group[0])
+    : el("li", { class: "group" }, el("p", {}, "These records cannot tell apart:"), el("ol", {}, group.map(one))));
+  const others = posterior ? [["nothing is missing", posterior.nothing], ["something else", posterior.something_else]] : [];
+  const rest = others.filter(o => Number.isFinite(o[1])).map(([name, p]) => el("li", { "data-other": name }, el("b", {}, name), share(p),
+    el("span", { class: "muted" }, `probability ${percent(p)}`)));
+  fill(byId("effects"), dropping, groups, rest);
+  fill(byId("words"), [...(d?.words ?? []), ...swings(posterior)].map(w => el("li", {}, w)));
+}
+
+// How far probabilities move where what was assumed is doubled or halved.
+function swings(posterior) {
+  const words = { amplitude_x2: "twice the usual amplitudes", amplitude_half: "half the usual amplitudes", rest_x2: "twice the rest of a good model", rest_half: "half the rest of a good model" };
+  return Object.entries(posterior?.sensitivity ?? {}).flatMap(([key, now]) => {
+    const effects = now?.effects ?? now;
+    if (!effects || typeof effects !== "object") return [];
+    const moved = Object.entries(effects).map(([e, p]) => [e, p, posterior.effects?.[e] ?? 0]).filter(([, p, was]) => Number.isFinite(p) && Math.abs(p - was) > 0.1);
+    return moved.length ? [`With ${words[key] ?? key}: ${moved.map(([e, p]) => `${e} ${percent(p)}`).join(", ")}.`] : [];
   });
-  const others = d?.posterior ? [["nothing is missing", d.posterior.nothing], ["something else", d.posterior.something_else]] : [];
-  const rest = others.filter(o => Number.isFinite(o[1])).map(([name, p]) => {
-    const bar = el("span", { class: "share", "aria-hidden": "true" }, el("span", {}));
-    bar.firstChild.style.width = `${100 * p}%`;
-    return el("li", {}, el("b", {}, name), bar, el("span", { class: "muted" }, `probability ${percent(p)}`));
-  });
-  fill(byId("effects"), dropping, rows, rest);
-  fill(byId("words"), (d?.words ?? []).map(w => el("li", {}, w)));
 }
 
 // The card of an effect: its law, where it shows, what looks like it; its picture is what it would add to these records.

@@ -1,8 +1,12 @@
 // Dropped files: what was understood, what is open, the dimensions beside a drawing of the strip.
-import { byId, el, fill, show, svg } from "./dom.js";
+import { byId, el, fill, percent, show, svg } from "./dom.js";
 import { upload } from "./server.js";
 
 let ask = () => {}, tell = () => {}, request = empty(), shownFor = "";
+
+// Corrections that a switch asks for, whatever the file looks like.
+const switches = [["zero", "displacement begins at 0 (preload left out)"], ["tare", "force begins at 0"], ["flip", "pulling is negative in the file: turn the sign"],
+  ["true-measures", "the file holds true stress and strain"]];
 
 function empty() {
   return { files: [], kinds: [], flags: {}, geometry: {}, name: "" };
@@ -38,12 +42,13 @@ export function begin(sender, teller) {
 }
 
 export function set(state) {
+  doctor(state);
   const stamp = JSON.stringify([state.import, state.specimen?.geometry, state.specimen?.name]);
   if (stamp === shownFor) return;
   shownFor = stamp;
   request = { ...empty(), ...structuredClone(state.import?.request ?? {}) };
   while (request.kinds.length < request.files.length) request.kinds.push(guess(request.files[request.kinds.length]));
-  fill(byId("import"), state.import ? [files(state.import), questions(state.import), understood(state.import.answer)] : null,
+  fill(byId("import"), state.import ? [files(state.import), corrections(), questions(state.import), understood(state.import.answer)] : null,
     geometry(state));
 }
 
@@ -59,6 +64,31 @@ function files(said) {
     head(said.heads?.[file])));
   const again = said.answer || said.failed ? null : el("button", { type: "button", class: "main", onclick: send }, "Read these files");
   return [el("ul", { class: "files" }, rows), again];
+}
+
+function corrections() {
+  if (!request.files.length) return null;
+  return el("details", { id: "corrections", open: switches.some(([flag]) => flag in request.flags) }, el("summary", {}, "Corrections"), switches.map(([flag, about]) =>
+    el("label", {}, el("input", { type: "checkbox", id: `c-${flag}`, checked: flag in request.flags, onchange: e => {
+      if (e.target.checked) request.flags[flag] = ""; else delete request.flags[flag];
+      send();
+    } }), ` ${about}`)));
+}
+
+// What the records are good for: one sentence a record, doubts with their remedies, what they fix, show and hide.
+function doctor(state) {
+  const place = byId("doctor"), d = state.doctor;
+  place.hidden = !state.specimen;
+  if (place.hidden) return;
+  const doubts = (d?.records ?? []).flatMap(r => r.advice.map(a => el("li", { class: "bad" }, `${r.test}: ${a.found}. ${a.remedy}.`)));
+  const rows = (d?.records ?? []).map(r => el("li", {}, `${r.test}: ${r.rows} rows${r.points < r.rows ? `, averaged to ${r.points} points` : ""}; `
+    + (r.noise_N === null ? "noise unknown" : `noise ${show(r.noise_N, 2)} N, ${percent(r.noise_N / r.peak_N)} of the peak`) + (r.tears ? "; it tears" : "")));
+  const names = list => list.join(", ") || "none", f = d?.shows;
+  const shows = f ? [el("li", {}, `parameters they fix: ${names(f.parameters.filter(p => p.known).map(p => p.path))}`),
+    el("li", {}, `effects they would show: ${names(f.effects.filter(e => e.power >= 0.9).map(e => e.effect))}`),
+    el("li", {}, `effects they hide: ${names(f.effects.filter(e => e.power < 0.5).map(e => e.effect))}`)] : [];
+  fill(place, el("div", { class: "tools" }, el("button", { type: "button", id: "check", onclick: () => ask({ do: "check" }) }, "What are these records good for?")),
+    d ? el("ul", {}, rows, doubts, shows, d.shows_not ? el("li", {}, d.shows_not) : null) : null);
 }
 
 const head = lines => lines?.length

@@ -15,6 +15,8 @@ pub enum Action {
     Set(Change),
     /// `fct identify`.
     Fit,
+    /// `fct check`: what the records are good for.
+    Check,
     /// `fct diagnose`.
     Diagnose,
     /// `fct discover`.
@@ -45,6 +47,7 @@ impl Action {
             Self::Import(_) => "reading the files".into(),
             Self::Set(_) => "computing the model".into(),
             Self::Fit => "fitting".into(),
+            Self::Check => "examining the records".into(),
             Self::Diagnose => "asking what is missing".into(),
             Self::Discover => "searching for what is missing".into(),
             Self::Add { effect } => format!("adding {effect} and fitting"),

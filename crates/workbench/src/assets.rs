@@ -13,6 +13,7 @@ pub fn asset(name: &str) -> Option<(&'static str, &'static str)> {
         "record.js" => (SCRIPT, include_str!("../assets/record.js")),
         "curves.js" => (SCRIPT, include_str!("../assets/curves.js")),
         "sliders.js" => (SCRIPT, include_str!("../assets/sliders.js")),
+        "stretch.js" => (SCRIPT, include_str!("../assets/stretch.js")),
         "strip.js" => (SCRIPT, include_str!("../assets/strip.js")),
         "missing.js" => (SCRIPT, include_str!("../assets/missing.js")),
         _ => return None,

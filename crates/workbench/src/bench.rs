@@ -158,6 +158,7 @@ impl Bench {
             Action::Import(request) => self.import(request, job),
             Action::Set(change) => self.set(&from()?, change, "", job),
             Action::Fit => self.fit(&config()?, "fit", "Fit", Vec::new(), job),
+            Action::Check => self.check(&config()?, job),
             Action::Diagnose => self.diagnose(&present.run.clone().ok_or_else(|| asked("fit first"))?, job),
             Action::Discover => self.discover(&config()?, job),
             Action::Add { effect } => self.edit("add", effect, &from()?, job),
@@ -305,8 +306,12 @@ impl Bench {
         let words = ["identify", &file, "--at-start", "--out", &run].map(str::to_owned);
         self.fct(&words, job)?;
         lines.push(line(&words));
-        let title = if title.is_empty() { "Values set" } else { title };
-        self.fitted("set", title, lines, &file, &run, true, job)
+        let title = match title {
+            "" if change.weighs() => "Records weighed",
+            "" => "Values set",
+            given => given,
+        };
+        self.fitted("set", title, lines, &file, &run, !change.weighs(), job)
     }
 
     fn diagnose(&self, run: &str, job: &Job) -> Done {
@@ -319,6 +324,14 @@ impl Bench {
                 step.commands.push(line.clone());
             }
         }
+        Ok(steps.write(&self.opened.own())?)
+    }
+
+    /// Asks what the records are good for.
+    fn check(&self, config: &str, job: &Job) -> Done {
+        let answer = self.fct(&["check", config].map(str::to_owned), job)?;
+        let mut steps = self.steps();
+        steps.checked = Some(json!({ "config": config, "doctor": answer["doctor"] }));
         Ok(steps.write(&self.opened.own())?)
     }
 

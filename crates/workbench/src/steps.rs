@@ -84,9 +84,20 @@ pub struct Steps {
     pub next: u32,
     /// The last import: what was asked, and `fct import`'s answer.
     pub import: Option<Value>,
+    /// What `fct check` said of the records of a config: `{ "config": …, "doctor": … }`.
+    #[serde(default)]
+    pub checked: Option<Value>,
 }
 
 impl Steps {
+    /// What the doctor says of the records of a config, if it was asked.
+    pub fn doctor_of(&self, config: Option<&str>) -> Option<&Value> {
+        self.checked
+            .as_ref()
+            .filter(|c| c["config"].as_str() == config && config.is_some())
+            .map(|c| &c["doctor"])
+    }
+
     /// Reads the steps of a folder; none if it has none.
     ///
     /// # Errors
@@ -125,11 +136,15 @@ impl Steps {
     }
 
     /// A new step after the present one; what was undone before is forgotten. A step of the same kind as the present one takes
-    /// its place where `instead`.
-    pub fn push(&mut self, step: Step, instead: bool) {
+    /// its place where `instead`; what is made from the one before needs that one's lines too, an import stands alone.
+    pub fn push(&mut self, mut step: Step, instead: bool) {
         self.steps.truncate(self.cursor + 1);
-        if instead && self.present().is_some_and(|p| p.kind == step.kind) {
-            self.steps.pop();
+        if instead
+            && self.present().is_some_and(|p| p.kind == step.kind)
+            && let Some(before) = self.steps.pop()
+            && step.kind != "import"
+        {
+            step.commands.splice(0..0, before.commands);
         }
         self.steps.push(step);
         self.cursor = self.steps.len() - 1;
@@ -165,7 +180,11 @@ mod tests {
         all.cursor = 1;
         all.push(step("set", "d"), true);
         all.push(step("set", "e"), true);
-        assert_eq!(all.commands(), ["a", "b", "e"]);
+        assert_eq!(all.commands(), ["a", "b", "d", "e"]);
+        assert_eq!(all.steps.len(), 3);
+        all.push(step("import", "f"), true);
+        all.push(step("import", "g"), true);
+        assert_eq!(all.commands(), ["a", "b", "d", "e", "g"]);
     }
 
     #[test]

@@ -49,15 +49,25 @@ pub fn state(bench: &Bench) -> Value {
         "folder": bench.opened.root, "home": bench.opened.home, "version": env!("CARGO_PKG_VERSION"),
         "steps": shown(&steps), "cursor": steps.cursor, "commands": steps.commands(),
         "busy": bench.queue.is_busy(), "faults": faults,
-        "import": import(bench, &steps), "raw": raw(bench),
+        "import": import(bench, &steps), "raw": raw(bench), "doctor": steps.doctor_of(present.config.as_deref()),
         "specimen": case.as_deref().map(specimen), "parameters": parameters,
         "answer": answer.as_ref().map(told), "curves": curves(case.as_deref(), run.as_ref()),
         "jacobian": run.as_ref().map_or(Value::Null, jacobian), "adds": run.as_ref().map_or(Value::Null, adds),
         "fields": run.as_ref().map_or(Vec::new(), fields),
         "effects": catalogue(bench),
-        "diagnosis": run.as_ref().and_then(|r| r.diagnosis().ok().flatten()),
+        "diagnosis": run.as_ref().and_then(diagnosis),
         "config": present.config, "run": present.run,
     })
+}
+
+/// What `fct diagnose` left in a run; of a rung of a search, what the search says.
+fn diagnosis(run: &StoredRun) -> Option<Value> {
+    if let Some(own) = run.diagnosis().ok().flatten() {
+        return Some(own);
+    }
+    let rungs = run.path.parent().filter(|p| p.ends_with("rungs"))?;
+    let search = StoredRun::read(rungs.parent()?).ok()?;
+    (search.info.command == "discover").then_some(search.answer)
 }
 
 fn catalogue(bench: &Bench) -> Vec<Value> {
@@ -144,7 +154,7 @@ fn specimen(case: &Case) -> Value {
     let tests: Vec<Value> = case
         .tests
         .iter()
-        .map(|t| json!({ "name": t.name, "points": t.record.as_ref().map(input::Record::len) }))
+        .map(|t| json!({ "name": t.name, "points": t.record.as_ref().map(input::Record::len), "weights": t.weights }))
         .collect();
     json!({
         "name": case.name, "provenance": case.provenance,

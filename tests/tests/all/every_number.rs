@@ -87,6 +87,8 @@ fn files() -> Vec<(String, String)> {
         for text in values(&key.kind) {
             if section == "tests.protocol" {
                 out.extend(legs(key, &text));
+            } else if section == "tests.weights" {
+                out.push(weight(key, &text));
             } else {
                 let file = File::new().set(&section, key, &text);
                 out.push((format!("[{section}] {} = {text}", key.spelling()), file.text()));
@@ -145,6 +147,20 @@ fn legs(key: &Key, value: &str) -> Vec<(String, String)> {
     tests.retain(|l| !l.starts_with("data"));
     tests.push(text);
     vec![(format!("[tests.protocol] {} = {value}", key.name), file.text())]
+}
+
+/// A stretch of a record with a number replaced.
+fn weight(key: &Key, value: &str) -> (String, String) {
+    let of = |name: &str, usual: &str| if key.name == name { value.to_owned() } else { usual.to_owned() };
+    let text = format!(
+        "weights = [{{ from_s = {}, to_s = {}, weight = {} }}]",
+        of("from", "1.0"),
+        of("to", "2.0"),
+        of("weight", "0.5")
+    );
+    let mut file = File::new();
+    file.0.entry("tests".to_owned()).or_default().push(text);
+    (format!("[tests.weights] {} = {value}", key.name), file.text())
 }
 
 /// The case and its model, or what is said instead, which must name file and line.

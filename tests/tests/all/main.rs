@@ -6,3 +6,4 @@ mod documents;
 mod every_law;
 mod every_number;
 mod licences;
+mod words;

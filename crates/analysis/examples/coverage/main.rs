@@ -11,7 +11,7 @@
 //! from each record. The means of a screen's priors are drawn as these assume: what the file gives for the tissue, and
 //! priors of each area. A Kolmogorov–Smirnov test judges the p-values below 0.45: a one-sided test answers 1 whenever
 //! the sign is wrong. They are judged twice, with the noise as estimated (shown to users)
-//! and with the sceptic's that a search decides by.
+//! and with the conservative one that a search decides by.
 mod printed;
 mod study;
 
@@ -46,11 +46,11 @@ fn identify(case: &Case) -> Identified {
 
 /// What one repeat says: per identifiable parameter whether its interval holds the truth and how far it is from it, per
 /// effect its p-value.
-struct Said {
+struct Coverage {
     holds: Vec<(String, bool)>,
     /// Distances from the truth in standard errors.
     distances: Vec<(String, f64)>,
-    /// With the noise as estimated, and with a sceptic's.
+    /// With the noise as estimated, and with the conservative one.
     p_values: [Vec<(String, f64)>; 2],
     alarm: bool,
 }
@@ -61,7 +61,7 @@ fn repeat(
     clean: &DVector<f64>,
     error: &DVector<f64>,
     truth: &BTreeMap<String, f64>,
-) -> Said {
+) -> Coverage {
     let mut random = Random::new(seed);
     let mut forces = clean.clone();
     for range in study.ranges() {
@@ -95,7 +95,7 @@ fn repeat(
         .collect();
     if std::env::var("V").is_ok() {
         let own = (&found.numerical_error - error).norm() / error.norm();
-        println!("own error differs {own:.2}; intervals led by it: {:?}", found.led_by_mesh);
+        println!("own error differs {own:.2}; intervals dominated by it: {:?}", found.mesh_dominated);
         println!("repeat {seed}: chi2 {:.3} stops {:?}", found.quality.reduced_chi2_total, found.stopped);
         for ((f, e), i) in found.frees.iter().zip(estimates).zip(&found.free) {
             println!(
@@ -127,7 +127,7 @@ fn repeat(
         screen.findings.iter().filter(|f| !f.refit_only).map(|f| (f.effect.clone(), p(f))).collect()
     };
     let p_values = [of(Finding::p_shown), of(|f| f.p_value)];
-    Said { holds, distances, p_values, alarm: screen.findings.iter().any(|f| f.significant) }
+    Coverage { holds, distances, p_values, alarm: screen.findings.iter().any(|f| f.significant) }
 }
 
 fn main() {
@@ -145,7 +145,7 @@ fn main() {
         println!("numerical error: {:.2} of the noise (root mean square)", rms / sd);
     }
     for &ar1 in &study.ar1 {
-        let said: Vec<Said> = (0..study.repeats)
+        let said: Vec<Coverage> = (0..study.repeats)
             .into_par_iter()
             .map(|k| repeat(5000 + k, (&study, ar1), &clean, &known.numerical_error, &truth))
             .collect();
@@ -159,7 +159,7 @@ fn main() {
         );
         printed::intervals(&said);
         println!("  records with a significant effect: {}", said.iter().filter(|s| s.alarm).count());
-        for (which, name) in ["estimated noise", "a sceptic's noise"].iter().enumerate() {
+        for (which, name) in ["estimated noise", "conservative noise"].iter().enumerate() {
             println!("  p-values with {name}:");
             printed::p_values(&said, which);
         }

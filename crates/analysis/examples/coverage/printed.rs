@@ -1,6 +1,6 @@
 //! Shares of intervals that hold, and p-values against the uniform distribution.
 
-use crate::Said;
+use crate::Coverage;
 use statrs::distribution::Uniform;
 use statrs::statistics::Statistics;
 use statrs::stats_tests::NaNPolicy;
@@ -8,7 +8,7 @@ use statrs::stats_tests::ks_test::{KSOneSampleAlternativeMethod, ks_onesample};
 use std::collections::BTreeMap;
 
 /// Per identifiable parameter the share of intervals that hold the truth.
-pub fn intervals(said: &[Said]) {
+pub fn intervals(said: &[Coverage]) {
     let mut holds: BTreeMap<&str, Vec<bool>> = BTreeMap::new();
     said.iter().flat_map(|s| &s.holds).for_each(|(p, h)| holds.entry(p).or_default().push(*h));
     let mut distances: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
@@ -39,7 +39,7 @@ fn ks(p: &[f64], top: f64) -> (usize, f64) {
 }
 
 /// Each effect's p-values against the uniform distribution.
-pub fn p_values(said: &[Said], which: usize) {
+pub fn p_values(said: &[Coverage], which: usize) {
     let mut p: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     said.iter().flat_map(|s| &s.p_values[which]).for_each(|(e, v)| p.entry(e).or_default().push(*v));
     let (mut tested, mut uniform) = (0, 0);

@@ -7,7 +7,7 @@ mod with;
 
 use crate::identify::AnalysisError;
 use crate::problem::Cancelled;
-use diagnose::{Amplitude, Candidate, Shape, Side};
+use diagnose::{Amplitude, Candidate, ShapeColumns, Side};
 use inverse::Prediction;
 use model::{BuildError, Catalogue, Discretisation, Effect, Model, RunOptions, Scales, Screening, Sided};
 use nalgebra::DMatrix;
@@ -80,12 +80,12 @@ impl Base<'_> {
         let (tried, variants) = self.variants(&scales)?;
         let runs = self.run(&tried, &variants)?;
         let prediction = self.gather_base(&runs)?;
-        let mut shapes: Vec<Vec<Shape>> = tried.iter().map(|_| Vec::new()).collect();
+        let mut shapes: Vec<Vec<ShapeColumns>> = tried.iter().map(|_| Vec::new()).collect();
         for (offset, v) in (self.free.len()..).zip(&variants) {
             let t = &tried[v.effect];
             let column = self.gather_variant(&runs, t, v, offset)?;
             let parameters = t.names.iter().cloned().zip(v.values.iter().copied()).skip(1).collect();
-            shapes[v.effect].push(Shape { parameters, columns: DMatrix::from_columns(&[column]) });
+            shapes[v.effect].push(ShapeColumns { parameters, columns: DMatrix::from_columns(&[column]) });
         }
         let mut secant_runs = 0;
         for (e, t) in tried.iter().enumerate().filter(|(_, t)| t.refit) {
@@ -174,7 +174,12 @@ impl Base<'_> {
 
     /// Finite change at a plausible amplitude, per unit: for effects whose derivative at neutral
     /// does not tell.
-    fn secant(&self, t: &Tried, scales: &Scales, base: &Prediction) -> Result<Option<Shape>, AnalysisError> {
+    fn secant(
+        &self,
+        t: &Tried,
+        scales: &Scales,
+        base: &Prediction,
+    ) -> Result<Option<ShapeColumns>, AnalysisError> {
         let values = t.effect.start(scales);
         let model = self.with(&t.effect, &values, false)?;
         let theta = {
@@ -199,6 +204,6 @@ impl Base<'_> {
         let Ok(p) = problem.gather(&runs, &theta, false) else { return Ok(None) };
         let column = (p.values - &base.values) / (values[0] - t.neutral);
         let parameters = t.names.iter().cloned().zip(values).skip(1).collect();
-        Ok(Some(Shape { parameters, columns: DMatrix::from_columns(&[column]) }))
+        Ok(Some(ShapeColumns { parameters, columns: DMatrix::from_columns(&[column]) }))
     }
 }

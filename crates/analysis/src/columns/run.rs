@@ -3,14 +3,14 @@
 use super::{Base, Tried, Variant};
 use crate::identify::AnalysisError;
 use fem::sensitivity::{Chunk, Columns};
-use fem::{Run, State, Target, march};
+use fem::{Run, State, Target, run_steps};
 use inverse::Prediction;
 use model::{LONG_REST, TestRun};
 use nalgebra::DVector;
 use std::sync::Arc;
 
 impl Base<'_> {
-    /// One run per test, in order, with all columns; bulk history carried by every column.
+    /// One run per test, in order, with all columns; bulk history carried over by every column.
     pub(super) fn run(
         &self,
         tried: &[Tried],
@@ -34,15 +34,15 @@ impl Base<'_> {
                 })
                 .collect();
             let fresh = test.test.fresh_piece;
-            let carried = before.take().filter(|_| !fresh);
-            let initial = self.model.initial_state(&problem, test, carried.as_ref().map(|b| &b.0));
-            if let Some((_, b, e)) = &carried {
+            let before_this = before.take().filter(|_| !fresh);
+            let initial = self.model.initial_state(&problem, test, before_this.as_ref().map(|b| &b.0));
+            if let Some((_, b, e)) = &before_this {
                 base.iter_mut().zip(b).for_each(|(c, o)| c.carry_bulk_from(o));
                 extra.iter_mut().zip(e).for_each(|(c, o)| c.carry_bulk_from(o));
             }
             let plan = self.model.plan(t, &options);
             let mut targets = plan.targets.clone();
-            if let (Some(first), true) = (targets.first_mut(), carried.is_some()) {
+            if let (Some(first), true) = (targets.first_mut(), before_this.is_some()) {
                 *first = Target { dt: test.test.rest_s.unwrap_or(LONG_REST), rest: true, ..*first };
             }
             let kept = self.warm.get(t).and_then(Option::as_ref);
@@ -51,7 +51,7 @@ impl Base<'_> {
             let mut columns: Vec<&mut (dyn Columns + 'static)> = Vec::new();
             columns.extend(base.iter_mut().map(|c| c as &mut (dyn Columns + 'static)));
             columns.extend(extra.iter_mut().map(|c| c as &mut (dyn Columns + 'static)));
-            let run = march(
+            let run = run_steps(
                 &problem,
                 self.theta,
                 &mut system,

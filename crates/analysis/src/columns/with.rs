@@ -1,4 +1,4 @@
-//! A case with one more effect, and values carried from model to model.
+//! A case with one more effect, and values taken over from model to model.
 
 use input::{Case, EffectConfig, Value};
 use model::{Effect, Model};

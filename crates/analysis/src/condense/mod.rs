@@ -14,6 +14,7 @@ use input::{Averaged, Case, Record};
 use model::{Channel, Corner, corner_rows};
 use std::ops::Range;
 use std::sync::Arc;
+use weights::Whole;
 
 /// Records of no more rows stay as they are.
 const PLAIN_ROWS: usize = 1000;
@@ -43,10 +44,18 @@ pub fn condensed(case: &Arc<Case>) -> Arc<Case> {
         return case.clone();
     }
     let mut out = (**case).clone();
-    for record in out.tests.iter_mut().filter_map(|t| t.record.as_mut()).filter(|r| long(r)) {
-        *record = condense(record);
+    for test in &mut out.tests {
+        if let Some(record) = test.record.as_ref().filter(|r| long(r)) {
+            test.record = Some(condense(record, &edges(test, record)));
+        }
     }
     Arc::new(out)
+}
+
+/// Rows at which the weight of a test's record changes.
+fn edges(test: &input::Test, record: &Record) -> Vec<usize> {
+    let weight = |i: usize| test.weight_at(record.time[i]);
+    (1..record.len()).filter(|&i| weight(i) != weight(i - 1)).collect()
 }
 
 /// The noise of the force at the points that a fit sees, and how many they are.
@@ -58,7 +67,7 @@ pub(crate) fn force_noise(
         let breaks: Vec<usize> = corners.iter().map(|c| c.0).collect();
         return (estimate(&record.time, &record.force, &breaks), record.len());
     }
-    let points = condense(record);
+    let points = condense(record, &[]);
     let averages = points.averaged.as_ref().map(|a| a.channels[0].clone()).unwrap_or_default();
     let (spread, position) = (spread(&averages.readings), position(&averages.readings));
     let weights = Weights { spread: &spread, position: &position };
@@ -78,31 +87,25 @@ struct Bin {
 /// Points of about the usual number, or wider ones: where rows share their errors over a stretch and no farther (a filter,
 /// an interpolation), close points look like an autoregressive noise whose memory is much longer, and would say less
 /// than they do. Points as wide as that stretch have errors of their own.
-fn condense(record: &Record) -> Record {
+/// No point stands across one of the `edges`.
+fn condense(record: &Record, edges: &[usize]) -> Record {
     let corners = corner_rows(record);
-    let points = condensed_to(record, &corners, 1);
-    let Some(close) = correlation(&points, &corners).filter(|c| *c > CORRELATED) else { return points };
-    let wide = condensed_to(record, &corners, WIDER);
+    let whole = Whole::new(record, &corners, edges);
+    let (points, noise) = condensed_to(&whole, 1);
+    let Some(close) = noise.map(|n| n.ar1).filter(|c| *c > CORRELATED) else { return points };
+    let (wide, noise) = condensed_to(&whole, WIDER);
     // Means of two neighbours of an autoregressive noise would be correlated as much as this.
     let expected = 0.5 * close * (1.0 + close);
-    match correlation(&wide, &corners) {
+    match noise.map(|n| n.ar1) {
         Some(apart) if apart < expected - SOONER => wide,
         _ => points,
     }
 }
 
-/// Correlation of the force's noise at neighbouring points.
-fn correlation(points: &Record, corners: &[(usize, Corner)]) -> Option<f64> {
-    let readings = &points.averaged.as_ref()?.channels[0].readings;
-    let (spread, position) = (spread(readings), position(readings));
-    let breaks: Vec<usize> = corners.iter().map(|c| points.time.partition_point(|t| *t < c.1.time)).collect();
-    let weights = Weights { spread: &spread, position: &position };
-    estimate_averages(&points.time, &points.force, weights, &breaks).ok().map(|n| n.ar1)
-}
-
-/// Points `wider` times as wide as usual.
-fn condensed_to(record: &Record, corners: &[(usize, Corner)], wider: usize) -> Record {
-    let bins = bins(record, corners, wider);
+/// Points `wider` times as wide as usual, and the noise of the force at them.
+fn condensed_to(whole: &Whole, wider: usize) -> (Record, Option<NoiseEstimate>) {
+    let record = whole.record;
+    let bins = bins(record, whole.corners, wider, whole.edges);
     let mean = |rows: &Range<usize>, v: &[f64]| v[rows.clone()].iter().sum::<f64>() / rows.len() as f64;
     let time = |b: &Bin| match b.hold_since {
         // A force that relaxes is even in the logarithm of time.
@@ -132,17 +135,21 @@ fn condensed_to(record: &Record, corners: &[(usize, Corner)], wider: usize) -> R
     out.grip_displacement = camera(&record.grip_displacement);
     out.tear_front = camera(&record.tear_front);
     out.width_change = camera(&record.width_change);
-    let channels = Channel::ALL.map(|channel| weights::averages(record, &out, channel, &bins, corners));
-    out.averaged = Some(Averaged { rows: record.len(), channels });
-    out
+    let all = Channel::ALL.map(|channel| weights::averages(whole, &out, channel, &bins));
+    let noise = all[0].1;
+    out.averaged = Some(Averaged { rows: record.len(), channels: all.map(|a| a.0) });
+    (out, noise)
 }
 
 /// Points of a record, in order, every row in one of them.
-fn bins(record: &Record, corners: &[(usize, Corner)], wider: usize) -> Vec<Bin> {
+fn bins(record: &Record, corners: &[(usize, Corner)], wider: usize, edges: &[usize]) -> Vec<Bin> {
     let travel = |w: &[(usize, Corner)]| (w[1].1.displacement - w[0].1.displacement).abs();
     let way: f64 = corners.windows(2).map(travel).sum();
     let holds = corners.windows(2).filter(|w| travel(w) == 0.0).count().max(1);
-    let breaks = breaks(record);
+    let mut breaks = breaks(record);
+    breaks.extend(edges);
+    breaks.sort_unstable();
+    breaks.dedup();
     let single = |c: &(usize, Corner)| Bin {
         rows: c.0..c.0 + 1,
         displacement: Some(c.1.displacement),

@@ -1,21 +1,54 @@
 //! How much each point of an averaged record weighs, and how much surer it is than a row.
 
 use super::Bin;
-use diagnose::noise::{Averages as Weights, estimate, estimate_averages};
+use diagnose::noise::{Averages as Weights, NoiseEstimate, estimate_averages};
 use input::{Averages, Record};
 use model::{Channel, Corner};
+use std::cell::OnceCell;
 
-/// Readings behind the points of a channel, and how fast their means get surer.
+/// A record with the noise of its single readings, by channel, estimated once for points of any width.
+pub(super) struct Whole<'a> {
+    pub record: &'a Record,
+    pub corners: &'a [(usize, Corner)],
+    /// Rows that no point may stand across.
+    pub edges: &'a [usize],
+    noise: [OnceCell<Option<NoiseEstimate>>; Channel::ALL.len()],
+}
+
+impl<'a> Whole<'a> {
+    pub fn new(record: &'a Record, corners: &'a [(usize, Corner)], edges: &'a [usize]) -> Self {
+        Self { record, corners, edges, noise: Default::default() }
+    }
+
+    fn noise(&self, channel: Channel) -> Option<NoiseEstimate> {
+        let at = Channel::ALL.iter().position(|c| *c == channel)?;
+        *self.noise[at].get_or_init(|| noise_of(self.record, channel, self.corners, Weights::default()))
+    }
+}
+
+/// Noise of a channel of a record, or of points with their weights.
+fn noise_of(
+    record: &Record,
+    channel: Channel,
+    corners: &[(usize, Corner)],
+    weights: Weights,
+) -> Option<NoiseEstimate> {
+    let (rows, values): (Vec<usize>, Vec<f64>) = channel.of(record).into_iter().unzip();
+    let time: Vec<f64> = rows.iter().map(|&r| record.time[r]).collect();
+    let breaks: Vec<usize> = corners.iter().map(|c| time.partition_point(|t| *t < c.1.time)).collect();
+    estimate_averages(&time, &values, weights, &breaks).ok()
+}
+
+/// Readings behind the points of a channel, and how fast their means get surer; the noise of the means.
 pub(super) fn averages(
-    whole: &Record,
+    whole: &Whole,
     points: &Record,
     channel: Channel,
     bins: &[Bin],
-    corners: &[(usize, Corner)],
-) -> Averages {
-    let rows = channel.of(whole);
+) -> (Averages, Option<NoiseEstimate>) {
+    let rows = channel.of(whole.record);
     if rows.is_empty() {
-        return Averages::default();
+        return (Averages::default(), None);
     }
     let mut readings = vec![0; bins.len()];
     let mut bin = 0;
@@ -25,39 +58,19 @@ pub(super) fn averages(
         }
         readings[bin] += 1;
     }
-    let decay = decay(whole, points, channel, &readings, corners).unwrap_or(0.0);
-    Averages { readings, decay }
-}
-
-/// From the noise of single readings and that of the means; `None` where the means show none or single readings are
-/// smooth: then they share their error.
-fn decay(
-    whole: &Record,
-    points: &Record,
-    channel: Channel,
-    readings: &[usize],
-    corners: &[(usize, Corner)],
-) -> Option<f64> {
-    let breaks_in = |time: &[f64]| -> Vec<usize> {
-        corners.iter().map(|c| time.partition_point(|t| *t < c.1.time)).collect()
-    };
-    let noise = |record: &Record, weights: Weights| {
-        let (rows, values): (Vec<usize>, Vec<f64>) = channel.of(record).into_iter().unzip();
-        let time: Vec<f64> = rows.iter().map(|&r| record.time[r]).collect();
-        match weights.spread.is_empty() {
-            true => estimate(&time, &values, &breaks_in(&time)).ok(),
-            false => estimate_averages(&time, &values, weights, &breaks_in(&time)).ok(),
+    let there: Vec<usize> = readings.iter().copied().filter(|r| *r > 0).collect();
+    let (spread, position) = (spread(&there), position(&there));
+    let weights = Weights { spread: &spread, position: &position };
+    let of_means = noise_of(points, channel, whole.corners, weights);
+    let decay = match typical(&there) {
+        few if few < 2.0 => 0.5,
+        typical => {
+            // Where the means show no noise, or single readings are smooth, they share their error.
+            let both = of_means.and_then(|means| Some((whole.noise(channel)?.sd, means.sd)));
+            both.map_or(0.0, |(rows, means)| ((rows / means).ln() / typical.ln()).clamp(0.0, 0.5))
         }
     };
-    let readings: Vec<usize> = readings.iter().copied().filter(|r| *r > 0).collect();
-    let typical = typical(&readings);
-    if typical < 2.0 {
-        return Some(0.5);
-    }
-    let (spread, position) = (spread(&readings), position(&readings));
-    let of_means = noise(points, Weights { spread: &spread, position: &position })?;
-    let of_rows = noise(whole, Weights::default())?;
-    Some(((of_rows.sd / of_means.sd).ln() / typical.ln()).clamp(0.0, 0.5))
+    (Averages { readings, decay }, of_means)
 }
 
 /// The usual number of readings in a point.

@@ -3,6 +3,7 @@
 mod engine;
 mod full;
 mod guess;
+mod mesh;
 mod program;
 #[cfg(test)]
 mod repeats;

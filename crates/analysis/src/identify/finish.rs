@@ -1,7 +1,9 @@
 //! The end of an identification: what all data say at the values that were found.
 
+use super::nearby::Nearby;
 use super::search::StagePlan;
-use super::{AnalysisError, Identified, SEARCH_TOLERANCE, Stage, TRIAL_BUDGET, Work, frees};
+use super::work::fewer_steps;
+use super::{AnalysisError, Identified, Stage, Work, frees};
 use crate::cost::Phase;
 use crate::data::Measured;
 use crate::problem::FeProblem;
@@ -20,11 +22,13 @@ const ASKED: usize = 2;
 /// The models and data that an answer is made from.
 pub(super) struct Answer<'m> {
     pub(super) fine: &'m Model,
-    coarse: Option<&'m Model>,
+    pub(super) coarse: Option<&'m Model>,
+    /// What the search took its steps on.
+    pub(super) cheap: Option<&'m Model>,
     /// Data with the record's noise alone.
-    noisy: &'m Measured,
+    pub(super) noisy: &'m Measured,
     /// Indices of the free parameters.
-    free: Vec<usize>,
+    pub(super) free: Vec<usize>,
     pub(super) frees: Vec<Free>,
     last: Stage,
 }
@@ -34,7 +38,7 @@ impl Work<'_> {
     pub(super) fn finish(
         mut self,
         fine: Model,
-        coarse: Option<Model>,
+        (coarse, cheap): (Option<Model>, Option<Model>),
         noisy: Measured,
         list: &[StagePlan],
         catalogue: &Catalogue,
@@ -44,17 +48,25 @@ impl Work<'_> {
         let mut list_free = frees(&fine, &self.theta, &free);
         crate::priors::add(&mut list_free, self.case, self.literature);
         let last = list.last().map_or(Stage::Joint, |l| l.0);
-        let answer =
-            Answer { fine: &fine, coarse: coarse.as_ref(), noisy: &noisy, free, frees: list_free, last };
+        let answer = Answer {
+            fine: &fine,
+            coarse: coarse.as_ref(),
+            cheap: cheap.as_ref(),
+            noisy: &noisy,
+            free,
+            frees: list_free,
+            last,
+        };
         let values: Vec<f64> = answer.free.iter().map(|&i| self.theta[i]).collect();
         let (fit, error) = self.at(&answer, values, self.options)?;
         let numerical_error = error.unwrap_or_else(|| DVector::zeros(noisy.data.points()));
         let measured = noisy.clone().with_numerical_error(&numerical_error);
         let by_noise = self.intervals(&answer, &noisy, &fit)?;
         let straight = self.intervals(&answer, &measured, &fit)?;
-        let led = |k: &usize| straight.covariance_z[(*k, *k)] > 2.0 * by_noise.covariance_z[(*k, *k)];
-        let led_by_mesh = (0..answer.free.len()).filter(led).map(|k| answer.frees[k].path.clone()).collect();
-        let mut uncertainty = self.with_arms(&answer, straight)?;
+        let dominated = |k: &usize| straight.covariance_z[(*k, *k)] > 2.0 * by_noise.covariance_z[(*k, *k)];
+        let mesh_dominated =
+            (0..answer.free.len()).filter(dominated).map(|k| answer.frees[k].path.clone()).collect();
+        let mut uncertainty = self.asymmetric(&answer, (&fit, &numerical_error), straight)?;
         // Numbers that cannot be used leave intervals as they are: noise and mesh alone.
         let rest = self.unexplained(&answer, &fit, &measured, catalogue).ok();
         if let Some(rest) = &rest {
@@ -70,7 +82,7 @@ impl Work<'_> {
             frees,
             fit: Fit { forward_runs: self.runs, ..fit },
             uncertainty,
-            led_by_mesh,
+            mesh_dominated,
             left: rest.map(|r| r.left),
             numerical_error,
             iterations: self.iterations,
@@ -85,7 +97,7 @@ impl Work<'_> {
 
     /// What the model says at these values of the free parameters, and how much less the coarse mesh does: nothing without
     /// one, `None` where it gives no answer.
-    fn at(
+    pub(super) fn at(
         &self,
         answer: &Answer,
         values: Vec<f64>,
@@ -99,8 +111,7 @@ impl Work<'_> {
         let free = answer.free.clone();
         let prediction = FeProblem::new(answer.fine, theta.clone(), free, slots, options, cancelled)
             .predict(&values, true)?;
-        options.tearing_steps = options.tearing_steps / 2 + 1;
-        options.uniaxial_steps = options.uniaxial_steps / 2 + 1;
+        options = fewer_steps(options);
         let coarse = answer.coarse.map(|coarse| {
             FeProblem::new(coarse, theta, Vec::new(), slots, options, cancelled).predict(&[], false)
         });
@@ -113,7 +124,7 @@ impl Work<'_> {
         Ok((self.fit_of(answer, values, prediction), error))
     }
 
-    fn fit_of(&self, answer: &Answer, theta: Vec<f64>, prediction: Prediction) -> Fit {
+    pub(super) fn fit_of(&self, answer: &Answer, theta: Vec<f64>, prediction: Prediction) -> Fit {
         let objective = if answer.last == Stage::Joint { Objective::Record } else { Objective::PaperSum };
         Fit {
             at_bound: answer.frees.iter().zip(&theta).map(|(f, &v)| f.at_bound(v)).collect(),
@@ -143,16 +154,19 @@ impl Work<'_> {
         }
     }
 
-    /// Intervals whose arms know how the standard errors change along the least known combinations: derivatives and
+    /// Asymmetric intervals, from how the standard errors change along the least known combinations: derivatives and
     /// numerical error at the ends of these are others than at the answer.
-    fn with_arms(&mut self, answer: &Answer, straight: Uncertainty) -> Result<Uncertainty, AnalysisError> {
+    fn asymmetric(
+        &mut self,
+        answer: &Answer,
+        at_end: (&Fit, &DVector<f64>),
+        straight: Uncertainty,
+    ) -> Result<Uncertainty, AnalysisError> {
         let probes = straight.probes(ASKED);
+        let nearby = Nearby::new(self, answer, at_end)?;
         let this = &*self;
-        let mut options = self.options;
-        options.march.budget = TRIAL_BUDGET;
-        options.march.newton.tolerance = options.march.newton.tolerance.max(SEARCH_TOLERANCE);
         let asked = |probe: &inverse::Probe| -> Result<Option<Uncertainty>, AnalysisError> {
-            match this.at(answer, probe.theta.clone(), options) {
+            match nearby.at(this, answer, &probe.theta) {
                 Ok((fit, Some(error))) => {
                     let measured = answer.noisy.clone().with_numerical_error(&error);
                     this.intervals(answer, &measured, &fit).map(Some)
@@ -164,6 +178,6 @@ impl Work<'_> {
         };
         let there: Vec<Option<Uncertainty>> = probes.par_iter().map(asked).collect::<Result<_, _>>()?;
         self.runs += probes.len() * (1 + usize::from(answer.coarse.is_some()));
-        Ok(straight.with_arms(&probes, &there))
+        Ok(straight.with_asymmetric_intervals(&probes, &there))
     }
 }

@@ -80,7 +80,11 @@ fn part(
         .collect();
     let values = DVector::from_iterator(rows.len(), rows.iter().map(|&r| whole.prediction.values[r]));
     let mut part = Part {
-        data: Data { blocks, ..Data::default() },
+        data: Data {
+            blocks,
+            held_out: rows.iter().map(|&r| !measured.data.is_used(r)).collect(),
+            ..Data::default()
+        },
         frees,
         fit: Fit {
             theta,

@@ -3,6 +3,7 @@
 
 mod finish;
 mod intervals;
+mod nearby;
 mod rest;
 mod search;
 mod work;
@@ -13,7 +14,7 @@ pub(crate) use work::{SEARCH_TOLERANCE, TRIAL_BUDGET, Work};
 
 use crate::data::{Measured, RecordError};
 use crate::held_out::{HeldOut, held_out};
-use crate::journal::Journal;
+use crate::journal::{Journal, Recent};
 use crate::problem::Cancelled;
 use input::Case;
 use inverse::{Fit, FitError, Free, Iterate, Noise, PredictError, Quality, Uncertainty, Whitened};
@@ -123,7 +124,7 @@ pub struct Identified {
     /// Intervals, in the order of `free`.
     pub uncertainty: Uncertainty,
     /// Parameters whose variance is more the mesh's error than the noise.
-    pub led_by_mesh: Vec<String>,
+    pub mesh_dominated: Vec<String>,
     /// What the model leaves unexplained; `None` where no number could be given.
     pub left: Option<crate::Left>,
     /// What a mesh twice as coarse predicts less, per point.
@@ -180,17 +181,22 @@ pub fn identify(
     let options = run_options(&case);
     let wanted = fine.recorded();
     let measured = Measured::of(&fine, &wanted)?;
+    let recent = Recent::new(control.journal);
+    let control = &Control { journal: &recent, ..*control };
     let mut work = Work::new(&case, fine.theta(), options, control);
+    work.search = work::fewer_steps(options);
     let mut list = stages(&fine, case.identify.mode);
     if list.is_empty() {
         return Err(AnalysisError::Case("no parameter is free".into()));
     }
-    let search = Search { case: &case, catalogue, fine: &fine, coarse: coarse.as_ref() };
+    let cheaper = cheap_model(&case, catalogue)?;
+    let cheap = cheaper.as_ref().or(coarse.as_ref());
+    let search = Search { case: &case, catalogue, fine: &fine, coarse: coarse.as_ref(), cheap };
     search.run(&mut work, &list)?;
     if case.identify.release_bulk && staged(&list) && work.tear_left.unexplained() {
         list.extend(search.release(&mut work));
     }
-    work.finish(fine, coarse, measured, &list, catalogue)
+    work.finish(fine, (coarse, cheaper), measured, &list, catalogue)
 }
 
 /// A case on a mesh about twice as coarse: half the divisions, where the file gives them; otherwise its sizes are coarsened
@@ -203,6 +209,23 @@ pub(crate) fn coarser(case: &Case) -> (Case, Discretisation) {
     }
     let coarsen = if coarse.mesh == case.mesh { 2.0 } else { 1.0 };
     (coarse, Discretisation { coarsen, ..Discretisation::default() })
+}
+
+/// How much coarser than the given mesh the one is that the search takes its steps on, where the file gives sizes.
+const CHEAP: f64 = 3.0;
+
+/// The same model on the mesh that the search takes its steps on; `None` where the file gives divisions, or the strip is too
+/// small.
+fn cheap_model(case: &Arc<Case>, catalogue: &Catalogue) -> Result<Option<Model>, AnalysisError> {
+    if case.mesh.divisions.is_some() {
+        return Ok(None);
+    }
+    let how = Discretisation { coarsen: CHEAP, ..Discretisation::default() };
+    match Model::new(case.clone(), catalogue, how) {
+        Ok(m) => Ok(Some(m)),
+        Err(BuildError::Mesh { .. }) => Ok(None),
+        Err(e) => Err(e.into()),
+    }
 }
 
 /// The same model on a mesh twice as coarse; `None` where the file gives divisions that cannot be

@@ -50,6 +50,8 @@ pub(super) struct Search<'s> {
     pub catalogue: &'s Catalogue,
     pub fine: &'s Model,
     pub coarse: Option<&'s Model>,
+    /// The mesh that the search on the given one takes its steps on.
+    pub cheap: Option<&'s Model>,
 }
 
 impl Search<'_> {
@@ -79,7 +81,14 @@ impl Search<'_> {
         let near = coarse.is_some() || self.case.identify.max_iterations == 0;
         let straight = near && list.iter().any(|s| s.0 == Stage::Joint);
         for (stage, free, tests) in list.iter().filter(|s| !straight || s.0 == Stage::Joint) {
-            work.stage(self.fine, *stage, free, tests, false)?;
+            work.stage_beside(
+                self.fine,
+                self.cheap.filter(|_| coarse.is_some()),
+                *stage,
+                free,
+                tests,
+                false,
+            )?;
         }
         Ok(())
     }

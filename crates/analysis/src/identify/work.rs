@@ -5,7 +5,7 @@ use crate::data::Measured;
 use crate::journal::{Asked, remembered};
 use crate::problem::FeProblem;
 use input::Case;
-use inverse::{Fit, FitOptions, Free, Iterate, MultiStart, Objective};
+use inverse::{Fit, FitOptions, Free, Iterate, MappedOptions, MultiStart, Objective};
 use model::{Channel, Model, RunOptions};
 use std::ops::ControlFlow;
 
@@ -17,6 +17,18 @@ const COARSE_TRIALS: usize = 4;
 /// Three steps in a row that lower χ² by less than this end the search: a quarter of what one
 /// parameter is worth by chance, each step half a standard deviation at most in any direction.
 const INSIGNIFICANT: f64 = 0.25;
+
+/// Half the load steps: the cubic through them carries the curve to 1e-5 of the peak (docs/decisions/load-steps.md).
+pub(super) fn fewer_steps(mut options: RunOptions) -> RunOptions {
+    options.tearing_steps = options.tearing_steps / 2 + 1;
+    options.uniaxial_steps = options.uniaxial_steps / 2 + 1;
+    options
+}
+
+/// Searches on the cheap mesh between two runs on the given one: they need not end closer than the next run moves them.
+const INNER_TOLERANCE: f64 = 1e-4;
+const INNER_INSIGNIFICANT: f64 = 0.05;
+const INNER_STEPS: usize = 8;
 
 /// Newton tolerance of the search, if the file's is not coarser: it moves χ² by far less than a step
 /// does. The last run, which the answer is made from, takes the file's.
@@ -33,7 +45,10 @@ pub(crate) struct Work<'a> {
     pub(super) iterations: usize,
     pub(super) control: &'a Control<'a>,
     pub case: &'a Case,
+    /// How the answer's runs are made.
     pub(super) options: RunOptions,
+    /// How the search's runs are made.
+    pub(super) search: RunOptions,
     pub(super) held: Option<()>,
     /// Whether the literature's priors count.
     pub literature: bool,
@@ -69,8 +84,9 @@ impl TearMisfit {
         for (slot, block) in measured.slots.iter().zip(&measured.data.blocks) {
             if model.tests[slot.test].test.kind.tears && slot.channel == Channel::Force {
                 let own = |i: usize| (misfit[i] / block.noise.sd_of(i - block.range.start)).powi(2);
-                left.chi2 += block.range.clone().map(own).sum::<f64>();
-                left.points += block.range.len() as f64;
+                let used = || block.range.clone().filter(|&i| measured.data.is_used(i));
+                left.chi2 += used().map(own).sum::<f64>();
+                left.points += used().count() as f64;
             }
         }
         left
@@ -103,6 +119,7 @@ impl<'a> Work<'a> {
             control,
             case,
             options,
+            search: options,
             held: None,
             literature: case.identify.priors.literature.unwrap_or(false),
             coarse_noise: 0.0,
@@ -124,8 +141,7 @@ impl<'a> Work<'a> {
         'a: 'p,
     {
         let cancelled = self.control.cancelled;
-        let mut problem =
-            FeProblem::new(model, theta.to_vec(), free.to_vec(), slots, self.options, cancelled);
+        let mut problem = FeProblem::new(model, theta.to_vec(), free.to_vec(), slots, self.search, cancelled);
         problem.options.march.budget = TRIAL_BUDGET;
         let newton = &mut problem.options.march.newton;
         newton.tolerance = newton.tolerance.max(SEARCH_TOLERANCE);
@@ -136,6 +152,20 @@ impl<'a> Work<'a> {
     pub fn stage(
         &mut self,
         model: &Model,
+        stage: Stage,
+        free: &[usize],
+        tests: &[bool],
+        coarse: bool,
+    ) -> Result<f64, AnalysisError> {
+        self.stage_beside(model, None, stage, free, tests, coarse)
+    }
+
+    /// The same; with a cheap model, which has the same parameters, the search goes on that one, put right by `model` round
+    /// by round.
+    pub fn stage_beside(
+        &mut self,
+        model: &Model,
+        cheap: Option<&Model>,
         stage: Stage,
         free: &[usize],
         tests: &[bool],
@@ -169,8 +199,25 @@ impl<'a> Work<'a> {
             ..FitOptions::default()
         };
         let problem = self.trial(model, &self.theta, free, &measured.slots);
+        let beside = cheap.map(|m| self.trial(m, &self.theta, free, &measured.slots));
+        let inner = FitOptions {
+            tolerance: INNER_TOLERANCE,
+            insignificant: INNER_INSIGNIFICANT,
+            max_iterations: INNER_STEPS,
+            max_trials: COARSE_TRIALS,
+            ..fit_options.clone()
+        };
+        let mapped = MappedOptions { outer: fit_options.clone(), inner, settled: INSIGNIFICANT };
         let (progress, history) = (self.control.progress, &mut self.history);
+        let watch_history = std::cell::RefCell::new(Vec::new());
+        let mut watch = |iterate: &Iterate| {
+            progress(&Progress { stage, coarse: true, iterate, paths: &paths, forces: Vec::new() });
+            let entry = HistoryEntry { stage, coarse: true, iterate: iterate.clone(), paths: paths.clone() };
+            watch_history.borrow_mut().push(entry);
+            ControlFlow::Continue(())
+        };
         let mut observer = |iterate: &Iterate| {
+            history.append(&mut watch_history.borrow_mut());
             let forces = if iterate.accepted { problem.forces_at(&iterate.theta) } else { Vec::new() };
             progress(&Progress { stage, coarse, iterate, paths: &paths, forces });
             history.push(HistoryEntry { stage, coarse, iterate: iterate.clone(), paths: paths.clone() });
@@ -184,10 +231,22 @@ impl<'a> Work<'a> {
             data: &measured.data,
             free: &list,
             options: &fit_options,
-            how: &format!("{} starts", starts),
+            how: &format!("{starts} starts, {}", if beside.is_some() { "mapped" } else { "alone" }),
             cancelled: self.control.cancelled,
         };
         let done = remembered(self.control.journal, &asked, &mut observer, &mut |observer| {
+            if let (Some(cheap), 1) = (&beside, starts) {
+                let fit = inverse::fit_mapped(
+                    &problem,
+                    cheap,
+                    &measured.data,
+                    &list,
+                    &mapped,
+                    observer,
+                    &mut watch,
+                )?;
+                return Ok((fit, None));
+            }
             if starts == 1 {
                 return Ok((inverse::fit(&problem, &measured.data, &list, &fit_options, observer)?, None));
             }
@@ -202,7 +261,7 @@ impl<'a> Work<'a> {
             let told = format!("{}: {sentence}", stage.word());
             self.starts = Some(self.starts.take().map_or(told.clone(), |s| format!("{s} {told}")));
         }
-        self.runs += done.runs;
+        self.runs += done.runs + beside.as_ref().map_or(0, FeProblem::runs);
         self.theta = problem.full(&fit.theta);
         if !coarse {
             self.iterations = self.iterations.max(fit.iterations);

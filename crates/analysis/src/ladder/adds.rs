@@ -51,11 +51,13 @@ impl FeLadder<'_> {
         out
     }
 
-    /// One over the noise of every point.
+    /// One over the noise of every point; 0 where it takes no part in the fit.
     fn weights(&self) -> DVector<f64> {
         let blocks = &self.measured.data.blocks;
-        let sds = blocks.iter().flat_map(|b| b.range.clone().map(|i| b.noise.sd_of(i - b.range.start)));
-        DVector::from_iterator(blocks.iter().map(|b| b.range.len()).sum(), sds.map(|sd| 1.0 / sd))
+        let used = |i: usize| f64::from(u8::from(self.measured.data.is_used(i)));
+        let of = |b: &inverse::Block, i: usize| used(i) / b.noise.sd_of(i - b.range.start);
+        let all = blocks.iter().flat_map(|b| b.range.clone().map(move |i| of(b, i)));
+        DVector::from_iterator(blocks.iter().map(|b| b.range.len()).sum(), all)
     }
 }
 

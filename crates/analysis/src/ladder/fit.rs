@@ -179,7 +179,7 @@ impl FeLadder<'_> {
                 self.cancelled,
             );
             problem.options.march.budget = crate::identify::TRIAL_BUDGET;
-            problem.correction = correction.clone();
+            problem.correction = crate::Correction::constant(correction.clone());
             problem.start_from(states);
             let options = FitOptions {
                 tolerance,

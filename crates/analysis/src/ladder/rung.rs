@@ -13,7 +13,9 @@ impl FeLadder<'_> {
         let mut force = Vec::new();
         for (slot, block) in self.measured.slots.iter().zip(&self.measured.data.blocks) {
             if slot.channel == Channel::Force {
-                force.extend(block.range.clone().map(|i| misfit[i]));
+                force.extend(
+                    block.range.clone().filter(|&i| self.measured.data.is_used(i)).map(|i| misfit[i]),
+                );
             }
         }
         let white =

@@ -33,14 +33,14 @@ fn the_noise_as_estimated_replaces_a_sceptics_and_leaves_the_meshs_error() {
     let model = Model::new(Arc::new(case), &effects::catalogue(), Discretisation::default()).unwrap();
     let estimated = Measured::of(&model, &[true, true]).unwrap();
     let error = DVector::from_fn(estimated.data.points(), |i, _| 1e-3 * (i % 5) as f64);
-    let cautious = Measured::cautious(&model, &[true, true]).unwrap().with_numerical_error(&error);
-    let back = cautious.as_estimated(&model).unwrap();
-    for ((b, c), e) in back.data.blocks.iter().zip(&cautious.data.blocks).zip(&estimated.data.blocks) {
+    let conservative = Measured::cautious(&model, &[true, true]).unwrap().with_numerical_error(&error);
+    let back = conservative.as_estimated(&model).unwrap();
+    for ((b, c), e) in back.data.blocks.iter().zip(&conservative.data.blocks).zip(&estimated.data.blocks) {
         assert!(c.noise.ar1 > e.noise.ar1, "{} {}", c.noise.ar1, e.noise.ar1);
         assert_eq!((b.noise.sd, b.noise.ar1), (e.noise.sd, e.noise.ar1));
         assert_eq!((&b.noise.nuisance, &b.measured), (&c.noise.nuisance, &c.measured));
     }
-    assert_eq!(back.slots, cautious.slots);
+    assert_eq!(back.slots, conservative.slots);
 }
 
 fn identified(case: input::Case) -> Identified {
@@ -75,34 +75,34 @@ fn distorted(wave: f64) -> input::Case {
     case
 }
 
-/// A softening zone as small as the elements is known less towards higher strength: that arm is the longer one, and no
-/// arm is shorter than the standard error at the answer makes it.
+/// A softening zone as small as the elements is known less towards higher strength: that side is the longer one, and no
+/// side is shorter than the standard error at the answer makes it.
 #[test]
 fn arms_of_a_strength_follow_what_the_mesh_can_tell() {
     let found = identified(distorted(0.0));
-    let arms: Vec<[f64; 2]> = (0..found.frees.len())
+    let sides: Vec<[f64; 2]> = (0..found.frees.len())
         .map(|k| {
             let (f, e) = (&found.frees[k], &found.uncertainty.estimates[k]);
             let sd = found.uncertainty.covariance_z[(k, k)].sqrt();
             e.interval_95_if_right.map(|end| (f.forward(end) - f.forward(e.value)).abs() / (Z95 * sd))
         })
         .collect();
-    println!("{arms:.3?}");
+    println!("{sides:.3?}");
     for e in &found.uncertainty.estimates {
         // Allowing for the rest takes nothing away.
         let [a, b] = e.interval_95_if_right;
         assert!(e.interval_95[0] <= a && b <= e.interval_95[1], "{e:?}");
     }
-    for ((f, arm), e) in found.frees.iter().zip(&arms).zip(&found.uncertainty.estimates) {
-        for (a, end) in arm.iter().zip(e.interval_95_if_right) {
+    for ((f, side), e) in found.frees.iter().zip(&sides).zip(&found.uncertainty.estimates) {
+        for (a, end) in side.iter().zip(e.interval_95_if_right) {
             // Bounds cut.
             let cut = end <= f.lower || end >= f.upper;
-            assert!(cut || (1.0 - 1e-9..=2.0 + 1e-9).contains(a), "{} {arm:?}", f.path);
+            assert!(cut || (1.0 - 1e-9..=2.0 + 1e-9).contains(a), "{} {side:?}", f.path);
         }
-        assert!(arm[0].min(arm[1]) < 1.0 + 1e-9, "{} {arm:?}", f.path);
+        assert!(side[0].min(side[1]) < 1.0 + 1e-9, "{} {side:?}", f.path);
     }
     let strength = found.frees.iter().position(|f| f.path == "interface.area[1].sigma_c").unwrap();
-    assert!(arms[strength][1] > 1.02, "{arms:?}");
+    assert!(sides[strength][1] > 1.02, "{sides:?}");
 }
 
 /// A wave of 4 % of the peak is a rest of some 3 %, which intervals allow for and noise does not; without it nothing is left.

@@ -93,7 +93,7 @@ fn record(case: &mut Case, forces: &[Vec<f64>], random: &mut Random) {
 }
 
 /// What an identification says of an amplitude.
-struct Said {
+struct Recovered {
     name: &'static str,
     neutral: f64,
     truth: f64,
@@ -103,7 +103,7 @@ struct Said {
     chi2: f64,
 }
 
-impl Said {
+impl Recovered {
     fn holds(&self) -> bool {
         self.interval[0] <= self.truth && self.truth <= self.interval[1]
     }
@@ -119,7 +119,7 @@ impl Said {
     }
 }
 
-fn recovered(base: &Case, catalogue: &Catalogue, effect: &Arc<dyn Effect>, seed: u64) -> Said {
+fn recovered(base: &Case, catalogue: &Catalogue, effect: &Arc<dyn Effect>, seed: u64) -> Recovered {
     let name = effect.card().name;
     let plain = Model::new(Arc::new(base.clone()), catalogue, Discretisation::default()).expect("a model");
     let values = effect.start(&scales(&plain, &plain.theta()));
@@ -135,7 +135,7 @@ fn recovered(base: &Case, catalogue: &Catalogue, effect: &Arc<dyn Effect>, seed:
     let path = format!("effects.{name}.{}", truth.effects[0].specs[0].name);
     let at = found.frees.iter().position(|f| f.path == path).unwrap_or_else(|| panic!("{path} is not free"));
     let e = &found.uncertainty.estimates[at];
-    Said {
+    Recovered {
         name,
         neutral,
         truth: values[0],
@@ -147,7 +147,7 @@ fn recovered(base: &Case, catalogue: &Catalogue, effect: &Arc<dyn Effect>, seed:
 }
 
 /// All effects in the catalogue's order, each in a record of its own.
-fn all(values: Base, seed: u64) -> Vec<Said> {
+fn all(values: Base, seed: u64) -> Vec<Recovered> {
     let catalogue = effects::catalogue();
     // Forces that give the effects their sizes.
     let mut base = base(&catalogue, values);
@@ -158,7 +158,7 @@ fn all(values: Base, seed: u64) -> Vec<Said> {
         }
     }
     let all: Vec<&Arc<dyn Effect>> = catalogue.iter().collect();
-    let said: Vec<Said> = all
+    let said: Vec<Recovered> = all
         .par_iter()
         .enumerate()
         .map(|(k, e)| recovered(&base, &catalogue, e, 100 * seed + k as u64))
@@ -181,7 +181,7 @@ fn all(values: Base, seed: u64) -> Vec<Said> {
 
 /// Of the effects: at most two miss (one in twenty may), every record is explained; how many are identifiable, and how many
 /// are told from nothing.
-fn check(said: &[Said]) -> (usize, usize) {
+fn check(said: &[Recovered]) -> (usize, usize) {
     let missed: Vec<&str> = said.iter().filter(|s| !s.holds()).map(|s| s.name).collect();
     assert!(missed.len() <= 2, "{missed:?}");
     for s in said {
@@ -211,22 +211,22 @@ fn every_effect_is_found_again_beside_an_unknown_base() {
 #[ignore = "slow: run by `just recovered`"]
 fn intervals_hold_in_many_records() {
     for values in [Base::Held, Base::Free] {
-        let runs: Vec<Vec<Said>> = (0..20).map(|seed| all(values, seed)).collect();
+        let runs: Vec<Vec<Recovered>> = (0..20).map(|seed| all(values, seed)).collect();
         let mut held = 0;
         println!("of {} records: interval holds, identifiable, told from none; median error", runs.len());
         for k in 0..runs[0].len() {
-            let of = |what: fn(&Said) -> bool| runs.iter().filter(|r| what(&r[k])).count();
+            let of = |what: fn(&Recovered) -> bool| runs.iter().filter(|r| what(&r[k])).count();
             let mut errors: Vec<f64> = runs.iter().map(|r| r[k].error()).collect();
             errors.sort_by(f64::total_cmp);
             println!(
                 "{:24} {:3} {:3} {:3} {:4.0} %",
                 runs[0][k].name,
-                of(Said::holds),
+                of(Recovered::holds),
                 of(|s| s.identifiable),
-                of(Said::told),
+                of(Recovered::told),
                 100.0 * errors[errors.len() / 2]
             );
-            held += of(Said::holds);
+            held += of(Recovered::holds);
         }
         let share = held as f64 / (runs.len() * runs[0].len()) as f64;
         println!("together: {:.1} %", 100.0 * share);

@@ -17,6 +17,11 @@ pub fn methods(study: &StudySummary) -> String {
             format!("{}: {counted} counted, {out} not explained by their model", m.model)
         })
         .collect();
+    let excluded = match excluded {
+        0 => "None was".to_owned(),
+        1 => "One specimen was".to_owned(),
+        n => format!("{n} specimens were"),
+    };
     let repeats = first.and_then(|m| m.specimens.iter().map(|r| r.repeats).max()).unwrap_or(0);
     let bootstrap = if repeats > 0 {
         format!(
@@ -28,8 +33,8 @@ pub fn methods(study: &StudySummary) -> String {
     };
     format!(
         "Bulk and cohesive parameters of {specimens} specimens were identified from uniaxial and tearing records by the \
-         inverse finite-element analysis of Leng et al. [1] as implemented in fct {} (models: {}). {excluded} specimens were \
-         excluded beforehand. A specimen entered the means if the model explained its records within noise and numerical \
+         inverse finite-element analysis of Leng et al. [1] as implemented in fct {} (models: {}). {excluded} excluded \
+         beforehand. A specimen entered the means if the model explained its records within noise and numerical \
          error ({}). Its Gc and σc are means over the areas of the tear path that its records fix, with standard errors \
          from the fit's covariance.{bootstrap} Means over specimens and the scatter between them are those of a \
          random-effects model fitted by restricted maximum likelihood [2], with Hartung–Knapp–Sidik–Jonkman intervals [3] \

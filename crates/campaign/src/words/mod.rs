@@ -54,7 +54,9 @@ fn of_model(study: &StudySummary, m: &ModelSummary) -> StudySection {
     let n = m.specimens.len();
     let mut words = vec![format!(
         "{counted} of {n} specimens count: their model explains their records and nothing excludes them. Each is weighed by \
-         its own interval and by how much specimens differ; the dashed line is where 95 % of further specimens would lie."
+         its own interval and by how much specimens differ; the dashed line is where 95 % of further specimens would lie \
+         (in the table \u{201c}further\u{201d}). \u{201c}sd between\u{201d} is the scatter between specimens without their own uncertainty, \
+         \u{201c}own sd\u{201d} that uncertainty."
     )];
     words.extend(m.groups.iter().filter_map(unexplained));
     words.extend(m.differences.iter().map(difference));
@@ -154,11 +156,14 @@ fn difference(d: &crate::summary::GroupDifference) -> String {
 /// Specimens of one donor are alike: the model does not know it, so the reader must.
 fn shared_donors(m: &ModelSummary) -> Option<String> {
     let g = m.groups.iter().find(|g| g.donors.is_some_and(|d| d < g.pooled.specimens))?;
+    let donors = match g.donors.unwrap_or_default() {
+        1 => "one donor".to_owned(),
+        n => format!("{n} donors"),
+    };
     Some(format!(
-        "{} specimens of {} donors stand behind the mean of {}: specimens of a donor count as independent here, so that the \
+        "{} specimens of {donors} stand behind the mean of {}: specimens of a donor count as independent here, so that the \
          intervals are too narrow where donors differ more than their specimens.",
         g.pooled.specimens,
-        g.donors.unwrap_or_default(),
         of_group(&g.group)
     ))
 }
@@ -175,9 +180,9 @@ fn means(m: &ModelSummary) -> StudyTable {
             p.specimens.to_string(),
             significant(p.mean, 3),
             range(p.interval_95),
-            significant(p.between_sd, 2),
+            p.between().map_or("–".into(), |b| significant(b.0, 2)),
             significant(p.within_sd, 2),
-            format!("{:.0} %", 100.0 * p.i2),
+            p.between().map_or("–".into(), |b| format!("{:.0} %", 100.0 * b.1)),
             range(p.prediction_95),
         ]
     };
@@ -187,10 +192,10 @@ fn means(m: &ModelSummary) -> StudyTable {
         "specimens",
         "mean",
         "95 % interval",
-        "sd between specimens",
-        "own sd of one",
+        "sd between",
+        "own sd",
         "I²",
-        "95 % of further specimens",
+        "further, 95 %",
     ];
     StudyTable { header, rows: m.groups.iter().map(row).collect(), numbers: (2..9).collect() }
 }

@@ -24,15 +24,15 @@ proptest! {
     }
 
     #[test]
-    fn hand_tangent_is_the_jet_tangent(p in parameters(), o in openings(), factor in 0.0f64..2.0) {
+    fn analytic_tangent_is_the_jet_tangent(p in parameters(), o in openings(), factor in 0.0f64..2.0) {
         let o = scaled(&o, &p);
         for old in [0.0, history(&o, &p, factor), effective_opening(&o, p[LAMBDA])] {
-            let error = testing::hand_tangent_error(
+            let error = testing::analytic_tangent_error(
                 &Cohesive, &Context::default(), &o, &p, &[old], by_jets(&o, &p, old),
             );
             prop_assert!(error.unwrap() < 1e-12);
             let mut new = [0.0];
-            Cohesive.hand_tangent(&Context::default(), &o, &p, &[old], &mut new);
+            Cohesive.analytic_tangent(&Context::default(), &o, &p, &[old], &mut new);
             prop_assert_eq!(new[0], respond(&o, &p, old).1);
         }
     }
@@ -81,7 +81,7 @@ proptest! {
         prop_assert!((r.energy - q.energy).abs() <= 1e-12 * r.energy);
     }
 
-    /// Load, unload, reload below and beyond: the total derivative carried by jets through the
+    /// Load, unload, reload below and beyond: the total derivative propagated by jets through the
     /// history against differences of the whole path.
     #[test]
     fn derivatives_through_the_history_are_those_of_the_path(
@@ -171,15 +171,15 @@ fn zero_opening_has_the_initial_stiffness_and_no_nan() {
 /// At δn = 0 the tangent of the elements is that of the opening side, with and without shear; at zero there is no
 /// direction to soften along, so nothing is divided by δ.
 #[test]
-fn the_hand_tangent_at_first_contact_is_the_opening_side_and_finite() {
+fn the_analytic_tangent_at_first_contact_is_the_opening_side_and_finite() {
     let p = [0.23, 0.2, 0.7, 10.0];
     for o in [[0.0; 3], [0.0, 0.2, 0.1]] {
         for old in [0.0, 0.5] {
             let (force, a) = by_jets(&o, &p, old);
             assert!(a[0][0] != p[PENALTY], "the sides must differ for this to tell them apart");
-            let (by_hand, tangent) =
-                Cohesive.hand_tangent(&Context::default(), &o, &p, &[old], &mut [0.0]).unwrap();
-            assert_eq!(by_hand, force);
+            let (analytic, tangent) =
+                Cohesive.analytic_tangent(&Context::default(), &o, &p, &[old], &mut [0.0]).unwrap();
+            assert_eq!(analytic, force);
             for (x, want) in tangent.iter().flatten().zip(a.iter().flatten()) {
                 assert!((x - want).abs() <= 1e-14 * a[0][0], "{tangent:?} {a:?}");
             }

@@ -1,4 +1,9 @@
 //! The restricted likelihood of windows of a record, and the correlation that makes it largest.
+//!
+//! Of points y with correlation R = L Lᵀ counts what no smooth curve (orthonormal basis Q) can explain. With contrasts C
+//! orthogonal to Q, Harville (1974): det(CᵀRC) = det R · det(QᵀR⁻¹Q), and the square of Cᵀy in its own covariance is that of
+//! y in R⁻¹ less what the best curve takes of it. L⁻¹ is two numbers a point, since neighbours pass the correlation on, so
+//! a window costs a few columns instead of a matrix of contrasts.
 
 use super::Window;
 use nalgebra::DMatrix;
@@ -10,36 +15,47 @@ const GOLDEN: f64 = 0.618_033_988_75;
 pub(super) fn likelihood(windows: &[Window], phi: f64) -> (f64, f64) {
     let (mut square, mut log_det, mut freedom) = (0.0, 0.0, 0.0);
     for w in windows {
-        let half = correlated(w, phi);
-        let c = half.tr_mul(&half);
-        let Some(chol) = c.cholesky() else { return (f64::NAN, f64::NEG_INFINITY) };
-        square += w.u.dot(&chol.solve(&w.u));
-        log_det += 2.0 * chol.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>();
-        freedom += w.freedom();
+        let Some((s, d)) = of_window(w, phi) else { return (f64::NAN, f64::NEG_INFINITY) };
+        (square, log_det, freedom) = (square + s, log_det + d, freedom + w.freedom());
     }
     let variance = square / freedom;
     (variance.sqrt(), -0.5 * (freedom * variance.max(f64::MIN_POSITIVE).ln() + log_det))
 }
 
-/// Lᵀ C, with the contrasts C and the correlation L Lᵀ of a window's points: that of neighbours, passed on from each to the
-/// next.
-fn correlated(w: &Window, phi: f64) -> DMatrix<f64> {
-    let n = w.contrasts.nrows();
+/// Square and log determinant of a window's contrasts; `None` where the correlation is none.
+fn of_window(w: &Window, phi: f64) -> Option<(f64, f64)> {
+    let (n, p) = w.basis.shape();
     let next = |i: usize| match w.position.get(i + 1) {
         Some(after) => inverse::correlation_at(phi, after - w.position[i]),
         None => phi,
     };
-    let passed: Vec<f64> = (0..n - 1).map(next).collect();
-    let mut out = w.contrasts.clone();
-    for mut column in out.column_iter_mut() {
-        for i in (0..n - 1).rev() {
-            column[i] += passed[i] * column[i + 1];
-        }
-        for i in 1..n {
-            column[i] *= (1.0 - passed[i - 1] * passed[i - 1]).sqrt();
-        }
+    // What the point before says of this one, and the sd of what it does not say.
+    let (mut before, mut own, mut log_det) = (vec![0.0; n], vec![1.0; n], 0.0);
+    for i in 1..n {
+        let passed = next(i - 1);
+        let variance = 1.0 - passed * passed;
+        (before[i], own[i]) = (passed, 1.0 / variance.sqrt());
+        log_det += variance.ln();
     }
-    out
+    let whitened = |x: &[f64], out: &mut [f64]| {
+        let mut last = 0.0;
+        for i in 0..n {
+            out[i] = own[i] * (x[i] - before[i] * last);
+            last = x[i];
+        }
+    };
+    // The basis and, last, the points.
+    let mut all = DMatrix::zeros(n, p + 1);
+    for k in 0..p {
+        whitened(w.basis.column(k).as_slice(), all.column_mut(k).as_mut_slice());
+    }
+    whitened(w.rest.as_slice(), all.column_mut(p).as_mut_slice());
+    let gram = all.tr_mul(&all);
+    let curve = gram.view((0, 0), (p, p)).into_owned().cholesky()?;
+    let taken = curve.l_dirty().view((0, 0), (p, p)).solve_lower_triangular(&gram.view((0, p), (p, 1)))?;
+    log_det += 2.0 * curve.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>();
+    let square = gram[(p, p)] - taken.norm_squared();
+    (square.is_finite() && log_det.is_finite()).then_some((square.max(0.0), log_det))
 }
 
 /// Grid, then golden section, with the weak prior 1 − φ²: in short windows a correlation near 1 looks like a
@@ -80,15 +96,20 @@ mod tests {
     use approx::assert_relative_eq;
     use nalgebra::DVector;
 
-    /// Each entry from its own pair of points, even and uneven, correlated either way.
+    /// Contrasts, and the correlation of every pair of points, as matrices: even and uneven places, correlated either way.
     #[test]
-    fn what_neighbours_pass_on_is_the_correlation_of_all() {
-        let (n, m) = (7, 4);
-        let uneven = [0.0, 0.6, 1.9, 2.0, 3.5, 4.1, 6.0];
+    fn a_window_says_what_its_contrasts_say() {
+        let (n, p) = (9, 3);
+        let uneven = [0.0, 0.6, 1.9, 2.0, 3.5, 4.1, 6.0, 6.3, 9.0];
         for (phi, position) in
             [(0.7, Vec::<f64>::new()), (-0.4, vec![]), (0.6, uneven.to_vec()), (0.0, uneven.to_vec())]
         {
-            let contrasts = DMatrix::from_fn(n, m, |i, k| ((i + 1) as f64 * (k as f64 + 0.3)).sin());
+            let curves = DMatrix::from_fn(n, p, |i, k| (i as f64).powi(k as i32));
+            let basis = inverse::orthonormal(&curves);
+            let y = DVector::from_fn(n, |i, _| ((i * i) as f64 * 1.7).sin());
+            let rest = &y - &basis * basis.tr_mul(&y);
+            let mut contrasts = inverse::orthonormal(&(DMatrix::identity(n, n) - &basis * basis.transpose()));
+            contrasts = contrasts.columns(0, n - p).into_owned();
             let distance = |i: usize, j: usize| match position.is_empty() {
                 true => i.abs_diff(j) as f64,
                 false => (position[i] - position[j]).abs(),
@@ -97,10 +118,13 @@ mod tests {
                 true => 1.0,
                 false => inverse::correlation_at(phi, distance(i, j)),
             });
-            let expected = contrasts.tr_mul(&(all * &contrasts));
-            let w = Window { points: n, contrasts, u: DVector::zeros(m), position };
-            let half = correlated(&w, phi);
-            assert_relative_eq!(half.tr_mul(&half), expected, max_relative = 1e-12, epsilon = 1e-12);
+            let covariance = contrasts.tr_mul(&(all * &contrasts));
+            let u = contrasts.tr_mul(&y);
+            let square = u.dot(&(covariance.clone().try_inverse().expect("regular") * &u));
+            let w = Window { basis, rest, position };
+            let (s, d) = of_window(&w, phi).expect("a likelihood");
+            assert_relative_eq!(s, square, max_relative = 1e-10);
+            assert_relative_eq!(d, covariance.determinant().ln(), max_relative = 1e-9, epsilon = 1e-12);
         }
     }
 }

@@ -1,10 +1,9 @@
 //! The noise level of a record from the record itself, never from a model's misfit.
 //!
 //! The record is cut at the given breaks into windows of about 20 points (40 where the noise turns out to be
-//! autocorrelated); in each a polynomial takes the
-//! smooth part away exactly, and only what no such curve can explain (an orthonormal set of contrasts)
-//! counts. Windows with a step or a kink stand out by their variance and are left out. sd and AR(1) follow
-//! by restricted maximum likelihood over the remaining windows together (Patterson & Thompson 1971).
+//! autocorrelated); in each a polynomial takes the smooth part away exactly, and only what no such curve can explain
+//! counts. Windows with a step or a kink stand out by their variance and are left out. sd and AR(1) follow by restricted
+//! maximum likelihood over the remaining windows together (Patterson & Thompson 1971).
 
 mod likelihood;
 
@@ -41,9 +40,9 @@ pub struct NoiseEstimate {
     /// Correlation to whiten with when a false alarm is worse than a miss: 1.5 standard errors above `ar1`
     /// where the noise is autocorrelated, else `ar1_raw` where positive. Underestimated correlation is what makes smooth misfits look
     /// significant.
-    pub cautious_ar1: f64,
-    /// Most likely sd at `cautious_ar1`.
-    pub cautious_sd: f64,
+    pub conservative_ar1: f64,
+    /// Most likely sd at `conservative_ar1`.
+    pub conservative_sd: f64,
     /// Relative standard error of `sd`.
     pub relative_error: f64,
     /// Points in the windows that counted.
@@ -82,9 +81,10 @@ pub enum NoiseError {
 }
 
 struct Window {
-    points: usize,
-    contrasts: DMatrix<f64>,
-    u: DVector<f64>,
+    /// Orthonormal basis of the smooth curves.
+    basis: DMatrix<f64>,
+    /// The points without their smooth part.
+    rest: DVector<f64>,
     /// Places of the points, where they are not 0, 1, 2, ….
     position: Vec<f64>,
 }
@@ -101,11 +101,16 @@ pub struct Averages<'a> {
 
 impl Window {
     fn freedom(&self) -> f64 {
-        self.u.len() as f64
+        self.independent() as f64
+    }
+
+    /// Differences that no smooth curve can explain.
+    fn independent(&self) -> usize {
+        self.rest.len() - self.basis.ncols()
     }
 
     fn variance(&self) -> f64 {
-        self.u.norm_squared() / self.freedom()
+        self.rest.norm_squared() / self.freedom()
     }
 }
 
@@ -152,7 +157,7 @@ pub fn estimate_averages(
         return Err(NoiseError::Record("time does not increase strictly".into()));
     }
     let windows = keep_smooth(cut(t, y, averages, breaks, WINDOW));
-    let freedom: usize = windows.iter().map(|w| w.u.len()).sum();
+    let freedom: usize = windows.iter().map(Window::independent).sum();
     if freedom < LEAST_FREEDOM {
         return Err(NoiseError::TooShort { found: freedom });
     }
@@ -168,7 +173,7 @@ pub fn estimate_averages(
     }
     // Autocorrelated noise lives at low frequencies, which only longer windows see.
     let long = keep_smooth(cut(t, y, averages, breaks, LONG_WINDOW));
-    let enough = long.iter().map(|w| w.u.len()).sum::<usize>() >= freedom / 2;
+    let enough = long.iter().map(Window::independent).sum::<usize>() >= freedom / 2;
     let windows = if enough { long } else { windows };
     let ar1 = most_likely(&windows);
     Ok(summary(&windows, ar1, ar1))
@@ -182,16 +187,16 @@ fn significant(windows: &[Window], ar1: f64) -> bool {
 fn summary(windows: &[Window], ar1: f64, ar1_raw: f64) -> NoiseEstimate {
     let freedom: f64 = windows.iter().map(Window::freedom).sum();
     let ar1_error = curvature_error(windows, ar1_raw);
-    let cautious_ar1 = if ar1 == 0.0 { ar1_raw.max(0.0) } else { (ar1 + 1.5 * ar1_error).min(0.9) };
+    let conservative_ar1 = if ar1 == 0.0 { ar1_raw.max(0.0) } else { (ar1 + 1.5 * ar1_error).min(0.9) };
     NoiseEstimate {
         sd: likelihood(windows, ar1).0,
         ar1,
         ar1_raw,
         ar1_error,
-        cautious_ar1,
-        cautious_sd: likelihood(windows, cautious_ar1).0,
+        conservative_ar1,
+        conservative_sd: likelihood(windows, conservative_ar1).0,
         relative_error: (0.5 / freedom).sqrt() * ((1.0 + ar1.abs()) / (1.0 - ar1.abs())),
-        points_used: windows.iter().map(|w| w.points).sum(),
+        points_used: windows.iter().map(|w| w.rest.len()).sum(),
     }
 }
 
@@ -216,7 +221,7 @@ fn cut(t: &[f64], y: &[f64], averages: Averages, breaks: &[usize], target: usize
     (0..taken).map(|k| window(t, y, averages, out[k * all / taken].clone())).collect()
 }
 
-/// Contrasts orthogonal to polynomials: of degree 3, 5 or 7 as the window grows.
+/// What polynomials leave: of degree 3, 5 or 7 as the window grows.
 fn window(t: &[f64], y: &[f64], averages: Averages, range: Range<usize>) -> Window {
     let (t, n) = (&t[range.clone()], range.len());
     let share = |i: usize| averages.spread.get(range.start + i).copied().unwrap_or(1.0);
@@ -229,16 +234,13 @@ fn window(t: &[f64], y: &[f64], averages: Averages, range: Range<usize>) -> Wind
     let powers = DMatrix::from_fn(n, degree + 1, |i, k| {
         ((t[i] - mid) / half).powi(i32::try_from(k).unwrap_or(0)) / share(i)
     });
-    let q = orthonormal(&powers);
-    let rest = DMatrix::identity(n, n) - &q * q.transpose();
-    let mut contrasts = orthonormal(&rest);
-    let freedom = n - q.ncols();
-    if contrasts.ncols() > freedom {
-        contrasts = contrasts.columns(0, freedom).into_owned();
-    }
-    let u = contrasts.tr_mul(&DVector::from_fn(n, |i, _| y[range.start + i] / share(i)));
+    let basis = orthonormal(&powers);
+    let points = DVector::from_fn(n, |i, _| y[range.start + i] / share(i));
+    let mut rest = &points - &basis * basis.tr_mul(&points);
+    // A large mean leaves its rounding in the rest, which a second time takes away.
+    rest -= &basis * basis.tr_mul(&rest);
     let position = averages.position.get(range).map_or_else(Vec::new, <[f64]>::to_vec);
-    Window { points: n, contrasts, u, position }
+    Window { basis, rest, position }
 }
 
 /// Leaves out windows whose variance no noise of the typical level would give.
@@ -255,7 +257,7 @@ fn keep_smooth(windows: Vec<Window>) -> Vec<Window> {
     for _ in 0..3 {
         let kept: Vec<&Window> = windows.iter().filter(|w| fits(w, typical)).collect();
         let freedom: f64 = kept.iter().map(|w| w.freedom()).sum();
-        typical = ratio(kept.iter().map(|w| w.u.norm_squared()).sum(), freedom);
+        typical = ratio(kept.iter().map(|w| w.rest.norm_squared()).sum(), freedom);
     }
     windows.into_iter().filter(|w| fits(w, typical)).collect()
 }

@@ -41,7 +41,7 @@ fn shaped(name: &str, side: Side, shapes: &[f64], f: impl Fn(f64, f64) -> f64) -
     let mut c = simple(name, side, |t| t);
     c.shapes = shapes
         .iter()
-        .map(|&s| Shape {
+        .map(|&s| ShapeColumns {
             parameters: vec![("tau".into(), s)],
             columns: DMatrix::from_columns(&[column(|t| f(t, s))]),
         })
@@ -166,7 +166,10 @@ fn false_alarms_are_rare_when_the_noise_is_estimated_from_the_record() {
         Candidate::simple("step", Side::Both, 1.0, column(&|t| f64::from(u8::from(t > 2.0)))),
     ];
     list[3].shapes = [0.2, 0.5, 1.0, 2.0]
-        .map(|s| Shape { parameters: vec![], columns: DMatrix::from_columns(&[column(&|t| (-t / s).exp())]) })
+        .map(|s| ShapeColumns {
+            parameters: vec![],
+            columns: DMatrix::from_columns(&[column(&|t| (-t / s).exp())]),
+        })
         .to_vec();
     for (ar1, most) in [(0.0, 0.02), (0.3, 0.05), (0.6, 0.05)] {
         let runs = 400_u64;
@@ -174,8 +177,11 @@ fn false_alarms_are_rare_when_the_noise_is_estimated_from_the_record() {
             let noise = Random::new(seed + 50).ar1(n, 0.02, ar1);
             let y = column(&|t| 1.0 + 2.0 * t - 0.3 * t * t) + noise;
             let e = diagnose::noise::estimate(&clock, y.as_slice(), &[80, 160]).unwrap();
-            let block =
-                ("y".to_owned(), y.iter().copied().collect(), NoiseModel::ar1(e.cautious_sd, e.cautious_ar1));
+            let block = (
+                "y".to_owned(),
+                y.iter().copied().collect(),
+                NoiseModel::ar1(e.conservative_sd, e.conservative_ar1),
+            );
             let data = Data::from_parts([block]).unwrap();
             let prediction = Prediction::new(DVector::zeros(n), Some(DMatrix::from_columns(&base)));
             let white = Whitened::new(&data, &self::base().0, &[0.0; 3], &prediction, Noise::Total);

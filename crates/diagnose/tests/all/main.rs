@@ -1,13 +1,13 @@
 //! All tests of `diagnose` from outside, in one program: each of its own would be linked anew.
 
-mod atlas_by_hand;
+mod atlas_worked;
 mod calibration;
 mod discovering;
 mod grouping;
-mod noise_by_hand;
 mod noise_level;
+mod noise_worked;
 mod rules;
-mod screen_by_hand;
+mod screen_worked;
 mod segmenting;
 mod sentences;
 mod tables;

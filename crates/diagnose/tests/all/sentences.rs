@@ -62,7 +62,7 @@ fn a_finding_is_one_of_five_sentences() {
     assert!(say(&Finding { p_value: 1e-3, ..faint.clone() }).contains("(p = 0.001)"));
     assert!(say(&Finding { p_value: 1e-300, ..f.clone() }).contains("(p < 1e-99)"));
     assert!(say(&Finding { p_value: 9e-4, ..faint.clone() }).contains("(p = 9e-4)"));
-    // The noise as estimated is what is said; where it alone would call the effect, so is a sceptic's.
+    // The noise as estimated is what is said; where it alone would call the effect, so is the conservative one.
     let both = |p_estimated: f64, p_value: f64| {
         say(&Finding { p_estimated: Some(p_estimated), p_value, ..faint.clone() })
     };

@@ -1,7 +1,7 @@
 //! Fibres that lose stiffness for good once their energy passes a threshold.
 
-use super::by_hand::{add, add_square};
 use super::fibres_of;
+use super::tangent::{add, add_square};
 use crate::decorator::{Call, Decoration, Tangent, decorate};
 use crate::numeric::{add_scaled, plus};
 use constitutive::{Capability, Energy, Law, Part, PointLaw, Response, Scalar, part_response, part_tangent};
@@ -124,7 +124,7 @@ impl Decoration<9> for Damage {
         r
     }
 
-    fn hand_tangent(
+    fn analytic_tangent(
         &self,
         call: &Call<'_, f64, 9>,
         inner_new: &mut [f64],

@@ -108,7 +108,7 @@ impl Decoration<9> for Recruitment {
         self.shifted(call.base, call.own[0], |p| call.inner_energies(call.gradient, p, inner_new))
     }
 
-    fn hand_tangent(
+    fn analytic_tangent(
         &self,
         call: &Call<'_, f64, 9>,
         inner_new: &mut [f64],

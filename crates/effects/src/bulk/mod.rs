@@ -1,12 +1,12 @@
 //! Effects of the tissue: decorators around the bulk law, in the order of their rank.
 
-mod by_hand;
 mod fiber_damage;
 mod fiber_recruitment;
 mod mullins;
 mod permanent_set;
 mod stiffness_drift;
 mod symmetric;
+mod tangent;
 mod viscoelastic;
 
 pub use fiber_damage::FiberDamage;

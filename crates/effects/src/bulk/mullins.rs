@@ -1,6 +1,6 @@
 //! Softening on unloading and reloading below the largest energy reached.
 
-use super::by_hand::{add, add_square, isochoric_tangent};
+use super::tangent::{add, add_square, isochoric_tangent};
 use super::{isochoric, volumetric_of};
 use crate::decorator::{Call, Decoration, Tangent, decorate};
 use crate::numeric::{add_scaled, erf_integral, plus};
@@ -137,7 +137,7 @@ impl Decoration<9> for Softening {
     }
 
     /// Only over a law without memory: there P_iso is the gradient of Ψ.
-    fn hand_tangent(
+    fn analytic_tangent(
         &self,
         call: &Call<'_, f64, 9>,
         inner_new: &mut [f64],

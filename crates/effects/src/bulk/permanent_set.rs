@@ -130,7 +130,7 @@ impl Decoration<9> for Set {
         Energy { dissipated: inner.dissipated + new[LOST], ..inner }
     }
 
-    fn hand_tangent(
+    fn analytic_tangent(
         &self,
         call: &Call<'_, f64, 9>,
         inner_new: &mut [f64],

@@ -119,7 +119,7 @@ impl Decoration<9> for Ageing {
         Energy { stored: inner.stored * new[FACTOR], dissipated: inner.dissipated * new[FACTOR] }
     }
 
-    fn hand_tangent(
+    fn analytic_tangent(
         &self,
         call: &Call<'_, f64, 9>,
         inner_new: &mut [f64],

@@ -122,7 +122,7 @@ impl Decoration<3> for Field {
         self.shifted(call, |p| call.inner_energies(call.gradient, p, inner_new))
     }
 
-    fn hand_tangent(
+    fn analytic_tangent(
         &self,
         call: &Call<'_, f64, 3>,
         inner_new: &mut [f64],

@@ -1,4 +1,4 @@
-//! Effects around every law of the registry: neutral to the bit, tangents by hand as by jets, and refused where the law
+//! Effects around every law of the registry: neutral to the bit, analytic tangents as by jets, and refused where the law
 //! lacks what they ask for.
 
 use crate::battery::*;
@@ -92,7 +92,8 @@ fn tangents_and_energies_hold_on_every_law() {
                 let trace = drive(&*outer, &params, &steps);
                 for (s, ((ctx, f), old)) in steps[1..].iter().zip(&trace.history).enumerate() {
                     let jets = tangent_by_jets_9(&*outer, ctx, f, &params, old, &mut old.clone());
-                    if let Some(error) = testing::hand_tangent_error(&*outer, ctx, f, &params, old, jets) {
+                    if let Some(error) = testing::analytic_tangent_error(&*outer, ctx, f, &params, old, jets)
+                    {
                         assert!(error < 1e-10, "{name}: step {s}: {error:e}");
                     }
                 }

@@ -6,7 +6,7 @@ use crate::battery;
 
 use battery::*;
 use constitutive::{Context, Jet, Law, PointLaw};
-use input::{EffectRegistry, ExperimentRegistry, TestKind};
+use input::{EffectRegistry, ExperimentRegistry};
 use model::{Action, Effect, Options, Sample, Screening};
 use std::sync::Arc;
 

@@ -2,6 +2,7 @@
 
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
+use ::report::answer::weighed;
 use ::report::{ReportError, StoredRun, amend, html, terminal};
 use analysis::Adds;
 use serde_json::Value;
@@ -23,8 +24,10 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let case = session.identified_case(&arguments.run)?;
     let progress = session.progress(&case.name);
     let (note, cancelled) = (|s: &str| progress.note(s), || session.cancelled());
-    let answer = analysis::diagnose(case, &session.catalogue, &note, &cancelled, &analysis::NoJournal)?;
+    let weighed = weighed(&case);
+    let mut answer = analysis::diagnose(case, &session.catalogue, &note, &cancelled, &analysis::NoJournal)?;
     drop(progress);
+    answer.words.extend(weighed);
     let outcome = Outcome::new(&answer, String::new())?;
     let text = terminal::discover(&outcome.json, session.style());
     let outcome = Outcome { text, ..outcome };

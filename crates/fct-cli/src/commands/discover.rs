@@ -4,7 +4,7 @@ use super::rungs;
 use super::unfinished::kept;
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
-use ::report::answer::Evaluated;
+use ::report::answer::{Evaluated, weighed};
 use ::report::{Partial, RunDir, store_discover, store_unfinished, terminal};
 use analysis::{DiscoverAnswer, Meter, Metered};
 use input::Case;
@@ -70,6 +70,7 @@ fn search(
         None
     });
     answer.words.extend(answer.one_strength.iter().map(|o| o.words.clone()));
+    answer.words.extend(weighed(case));
     progress.note("curves and intervals of every rung, on the file's mesh");
     let top = rungs::store(dir, case, &answer, session, &metered)?;
     answer.cost = meter.spent();

@@ -4,7 +4,7 @@ use super::edit::{Source, next, source, write};
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
 use ::report::answer::SCHEMA;
-use input::{Case, Value};
+use input::{Case, Value, Weight};
 use model::{Discretisation, Model};
 use params::{Owner, ParamPath};
 use serde_json::json;
@@ -29,6 +29,13 @@ pub struct Arguments {
     /// Elements along x (tear), y (load) and z, in place of the mesh's sizes
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', num_args = 1)]
     pub divisions: Vec<usize>,
+    /// Stretches of a record that count less, more or not at all: test, from s, to s, factor in χ² (0: left out), as
+    /// tearing,12.5,30,0
+    #[arg(long, value_name = "TEST,FROM,TO,WEIGHT", value_parser = weight)]
+    pub weigh: Vec<(String, Weight)>,
+    /// Tests whose points count alike again; done before `--weigh`
+    #[arg(long, value_name = "TESTS", value_delimiter = ',')]
+    pub unweigh: Vec<String>,
     /// Areas along the tear path; all begin with the values of the first
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=200))]
     pub areas: Option<u16>,
@@ -38,6 +45,23 @@ fn pair(word: &str) -> Result<(String, f64), String> {
     let (path, value) = word.split_once('=').ok_or("expected PATH=VALUE, as bulk.mu=0.0051")?;
     let value: f64 = value.trim().parse().map_err(|_| format!("`{value}` is no number"))?;
     if value.is_finite() { Ok((path.trim().to_owned(), value)) } else { Err(format!("{value} is no value")) }
+}
+
+fn weight(word: &str) -> Result<(String, Weight), String> {
+    const EXPECTED: &str = "expected TEST,FROM,TO,WEIGHT, as tearing,12.5,30,0";
+    // A name may hold commas; numbers do not.
+    let parts: Vec<&str> = word.rsplitn(4, ',').collect();
+    let [weight, to, from, test] = parts.as_slice() else { return Err(EXPECTED.into()) };
+    let number = |x: &str| match x.trim().parse::<f64>() {
+        Ok(x) if x.is_finite() && x >= 0.0 => Ok(x),
+        _ => Err(format!("`{x}` is no number of 0 or more; {EXPECTED}")),
+    };
+    let out = Weight { from_s: number(from)?, to_s: number(to)?, weight: number(weight)? };
+    match (out.from_s <= out.to_s, out.weight <= 100.0) {
+        (false, _) => Err(format!("{} s is before {} s; {EXPECTED}", out.to_s, out.from_s)),
+        (_, false) => Err(format!("a weight of {} is too large; at most 100", out.weight)),
+        _ => Ok(((*test).to_owned(), out)),
+    }
 }
 
 /// Writes the resolved config with the changes.
@@ -53,6 +77,7 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     }
     remesh(&mut case, arguments)?;
     known(&case, arguments, session)?;
+    weigh(&mut case, arguments)?;
     analysis::start_at(&mut case, arguments.values.iter().map(|(p, v)| (p.as_str(), *v)));
     for (paths, fixed) in [(&arguments.hold, true), (&arguments.free, false)] {
         for path in paths {
@@ -65,6 +90,24 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let changed: Vec<&str> = arguments.values.iter().map(|v| v.0.as_str()).collect();
     let json = json!({ "schema": SCHEMA, "file": file, "values": changed, "held": arguments.hold, "freed": arguments.free });
     Outcome::new(&json, format!("{}\nnext: {}\n", file.display(), next(&whole, &file)))
+}
+
+fn weigh(case: &mut Case, arguments: &Arguments) -> Result<(), Failure> {
+    fn test<'c>(case: &'c mut Case, name: &str) -> Result<&'c mut input::Test, Failure> {
+        let names = case.tests.iter().map(|t| t.name.as_str()).collect::<Vec<_>>().join(", ");
+        let none = Failure::usage(format!(
+            "fct: {}: no test of this specimen; it has {names}",
+            input::visible(name)
+        ));
+        case.tests.iter_mut().find(|t| t.name == name).ok_or(none)
+    }
+    for name in &arguments.unweigh {
+        test(case, name)?.weights.clear();
+    }
+    for (name, weight) in &arguments.weigh {
+        test(case, name)?.weights.push(*weight);
+    }
+    Ok(())
 }
 
 fn remesh(case: &mut Case, arguments: &Arguments) -> Result<(), Failure> {

@@ -59,6 +59,7 @@ fn a_report_is_clicked_and_read() -> Tested {
     first_screen(&mut page)?;
     rungs(&mut page, here)?;
     hovering(&mut page, here)?;
+    moves(&mut page, here)?;
     // The page of the diagnosed run names effects; the batch page has its table.
     page.load(&here.join("base/report.html"), 1280, "light")?;
     let diagnosis: serde_json::Value =
@@ -111,6 +112,51 @@ fn rungs(page: &mut Page, here: &Path) -> Tested {
         let shown = misfit.lines().find_map(|l| l.strip_suffix(" N")?.parse::<f64>().ok());
         assert!(shown.is_some_and(|s| (s - rms).abs() < 6e-3 * rms), "{misfit}: {rms}");
     }
+    Ok(())
+}
+
+/// A slider without a server: the curve moves by the derivatives of `jacobian.csv`, the page says what that does to the misfit,
+/// and its command computes the same exactly.
+fn moves(page: &mut Page, here: &Path) -> Tested {
+    page.click("[data-rung='1']")?;
+    let slider = "#sliders [data-of='1'] input[data-path='bulk.k1']";
+    page.picture("report-sliders", true)?;
+    page.ask(&format!(
+        "(() => {{ const s = document.querySelector({slider:?}); s.value = 520; s.dispatchEvent(new Event('input')); }})()"
+    ))?;
+    let table = fs::read_to_string(here.join("more/jacobian.csv"))?;
+    let column =
+        table.lines().next().and_then(|h| h.split(',').position(|c| c == "bulk.k1")).ok_or("bulk.k1")?;
+    let moved = page.ask("[...movedBy()][0]")?;
+    assert_eq!(moved[0], "bulk.k1");
+    let by = moved[1].as_f64().ok_or("a change")?;
+    assert!(by > 0.0);
+    let drawn = page.ask("linearForce('tearing')")?;
+    let rows = table.lines().filter(|l| l.starts_with("tearing,"));
+    for (row, drawn) in rows.zip(drawn.as_array().ok_or("a curve")?) {
+        let cells: Vec<&str> = row.split(',').collect();
+        let right = cells[2].parse::<f64>()? + by * cells[column].parse::<f64>()?;
+        let drawn = drawn.as_f64().ok_or("a force")?;
+        assert!((drawn - right).abs() < 1e-4 * right.abs() + 1e-6, "{drawn} {right}");
+    }
+    page.picture("report-moved", false)?;
+    let told = page.text("#moved")?;
+    let about =
+        told.split("tearing: ").nth(1).and_then(|t| number(t, "about")).ok_or_else(|| told.clone())?;
+    let line = page.text("#moved-command")?;
+    let line = line.lines().next().ok_or("a command")?.replace(" --out moved.toml", "");
+    let mut words: Vec<&str> = line.split_whitespace().skip(1).collect();
+    words.extend(["--out", "moved.toml"]);
+    for arguments in [&words[..], &["identify", "moved.toml", "--at-start", "--out", "moved"]] {
+        let out = fct(here, &[arguments, &["--quiet"]].concat())?;
+        assert!(out.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&out.stderr));
+    }
+    let exact = summary(&here.join("moved"))?["tests"]["tearing"]["rms_N"].as_f64().ok_or("a misfit")?;
+    println!("tearing: misfit about {about:.3e} N by the slider, {exact:.3e} N exactly");
+    assert!((about - exact).abs() < 0.1 * exact, "{about} {exact}");
+    page.click("#back")?;
+    assert_eq!(page.text("#moved")?, "");
+    assert!(page.ask("linearForce('tearing')")?.is_null());
     Ok(())
 }
 

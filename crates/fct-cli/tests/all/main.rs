@@ -5,6 +5,8 @@ mod accessible;
 mod answers;
 mod bad_input;
 mod beam;
+#[path = "common/bench.rs"]
+mod bench;
 mod browser;
 mod campaign;
 mod command_lines;
@@ -29,4 +31,7 @@ mod too_large;
 mod tutorial;
 #[path = "common/watched.rs"]
 mod watched;
+mod weights;
 mod workbench_browser;
+mod workbench_figures;
+mod workbench_kept;

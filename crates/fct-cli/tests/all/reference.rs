@@ -12,11 +12,12 @@ use std::path::Path;
 const DOCS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs");
 
 const HEAD: &str = "# Keys of the TOML files\n\n\
-    Written by `just book` from the program's own list of keys; the same as a JSON schema, for editors that complete and check\n\
-    while one types: [fct.schema.json](fct.schema.json). With the extension *Even Better TOML* put\n\
+    Written by `just book` from the program's own list of keys; the same as a JSON schema, for editors that complete\n\
+    and check while one types: [fct.schema.json](fct.schema.json). With the extension *Even Better TOML* put\n\
     `#:schema path/to/fct.schema.json` on the first line of a file.\n\n\
-    Units are in the key: every stress-like key takes `_Pa`, `_kPa` or `_MPa`, and so on; the table shows one of the spellings. A parameter\n\
-    is a number, or a table `{ start = 2.0, min = 0.1, max = 50.0, fixed = true }`. A specimen and a config take the same keys.\n";
+    Units are in the key: every stress-like key takes `_Pa`, `_kPa` or `_MPa`, and so on; the table shows one of the\n\
+    spellings. A parameter is a number, or a table `{ start = 2.0, min = 0.1, max = 50.0, fixed = true }`. A specimen and a\n\
+    config take the same keys.\n";
 
 #[test]
 fn the_reference_is_what_the_program_reads() -> Tested {

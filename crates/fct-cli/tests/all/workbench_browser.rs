@@ -1,54 +1,23 @@
 //! The workbench in a real browser: `just browser`. Ignored where nobody asks, for it needs Chromium.
 
 use crate::accessible;
+use crate::bench::{Bench, PATIENCE};
 use crate::common::{self, Tested};
 use crate::driver::{self, Page};
 use serde_json::{Value, json};
 use std::error::Error;
 use std::fs;
-use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::Command;
 use std::time::Duration;
 
-/// The longest that one answer of the workbench may take on a busy machine.
-const PATIENCE: Duration = Duration::from_secs(120);
-const SOON: Duration = Duration::from_secs(30);
+pub const SOON: Duration = Duration::from_secs(30);
 
 /// A strip between clamps that give way: what the page is to find.
 const COMPLIANT: &str = "[solver]\nstep_mm = 0.05\n[output]\nnoise = 0.003\nseed = 3\nfields = false\n[effects.compliance]\nc_mm_per_N = 1.5\n";
 
-/// A running workbench.
-struct Bench {
-    child: Child,
-    url: String,
-}
-
-impl Bench {
-    fn open(folder: &Path, named: &[&str]) -> Result<Self, Box<dyn Error>> {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_fct"))
-            .args(["workbench", "--no-open", "--json"])
-            .args(named)
-            .current_dir(folder)
-            .stdout(Stdio::piped())
-            .spawn()?;
-        let mut line = String::new();
-        BufReader::new(child.stdout.take().ok_or("no stdout")?).read_line(&mut line)?;
-        let told: Value = serde_json::from_str(&line)?;
-        let url = told["url"].as_str().ok_or("no address")?.to_owned();
-        Ok(Self { child, url })
-    }
-}
-
-impl Drop for Bench {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
-
 /// A record of `fct simulate` as a testing machine's program writes it, without dimensions.
-fn raw(record: &Path) -> Result<String, Box<dyn Error>> {
+pub fn raw(record: &Path) -> Result<String, Box<dyn Error>> {
     let text = fs::read_to_string(record)?;
     let rows = text.lines().filter(|l| l.starts_with(|c: char| c.is_ascii_digit()));
     Ok(rows.fold("Time,Extension,Load\n(s),(mm),(N)\n".to_owned(), |all, row| {
@@ -58,7 +27,7 @@ fn raw(record: &Path) -> Result<String, Box<dyn Error>> {
 }
 
 /// Drops a file on the page, as a hand does.
-fn drop_file(page: &mut Page, name: &str, content: &str) -> Tested {
+pub fn drop_file(page: &mut Page, name: &str, content: &str) -> Tested {
     let (name, content) = (json!(name), json!(content));
     page.ask(&format!(
         "(() => {{ const d = new DataTransfer(); d.items.add(new File([{content}], {name}));
@@ -68,14 +37,30 @@ fn drop_file(page: &mut Page, name: &str, content: &str) -> Tested {
 }
 
 /// Writes into a field, as a keyboard does.
-fn fill(page: &mut Page, selector: &str, text: &str) -> Tested {
+pub fn fill(page: &mut Page, selector: &str, text: &str) -> Tested {
     page.ask(&format!(
         "(() => {{ const e = document.querySelector({selector:?}); e.focus(); e.select(); }})()"
     ))?;
     page.call("Input.insertText", json!({ "text": text })).map(|_| ())
 }
 
-const IDLE: &str = "document.querySelector('#busy').hidden && !document.body.classList.contains('working')";
+/// Presses something with the keyboard alone: the tabulator until it has the focus, then a key.
+fn by_keyboard(page: &mut Page, selector: &str, key: (&str, u32)) -> Tested {
+    let all =
+        page.ask("document.querySelectorAll('button, input, select, a[href], summary, [tabindex]').length")?;
+    for _ in 0..all.as_u64().unwrap_or(0) + 2 {
+        if page.ask(&format!("document.activeElement.matches({selector:?})"))? == true {
+            return page.press(key.0, key.1, 0);
+        }
+        page.press("Tab", 9, 0)?;
+    }
+    Err(format!("the tabulator does not come to {selector}").into())
+}
+
+const ENTER: (&str, u32) = ("Enter", 13);
+
+pub const IDLE: &str =
+    "document.querySelector('#busy').hidden && !document.body.classList.contains('working')";
 
 /// The misfit that the present step of the staircase shows, N.
 fn misfit(page: &mut Page) -> Result<f64, Box<dyn Error>> {
@@ -83,7 +68,7 @@ fn misfit(page: &mut Page) -> Result<f64, Box<dyn Error>> {
     Ok(rms.as_f64().ok_or("no misfit on the staircase")?)
 }
 
-fn present(page: &mut Page, title: &str, patience: Duration) -> Tested {
+pub fn present(page: &mut Page, title: &str, patience: Duration) -> Tested {
     let there =
         format!("document.querySelector('[aria-current=step] b')?.textContent === {title:?} && {IDLE}");
     page.until(&there, patience)
@@ -106,10 +91,12 @@ fn the_error_falls_in_the_hands() -> Tested {
     assert_eq!(page.ask("location.search")?, "", "the token stays in no address");
     assert_eq!(page.ask("document.cookie")?, "", "no script sees the token");
     page.picture("workbench-empty", false)?;
+    page.film(15)?;
     specimen(&mut page, made.path())?;
     fits(&mut page)?;
     adds(&mut page)?;
     again(&mut page, folder.path())?;
+    windows(&mut page, &chromium, &bench)?;
     strip(&mut page)?;
     looks(&mut page)?;
     assert_eq!(page.faults(), Vec::<String>::new());
@@ -126,6 +113,7 @@ fn specimen(page: &mut Page, made: &Path) -> Tested {
     drop_file(page, "uniaxial.csv", &unclear)?;
     page.until("document.querySelector('#questions button')", SOON)?;
     page.picture("workbench-question", true)?;
+    page.film(15)?;
     page.click("#questions button")?;
     page.until("document.querySelector('#geometry')", SOON)?;
     drop_file(page, "tearing.csv", &raw(&made.join("runs/strip/tearing.csv"))?)?;
@@ -137,6 +125,7 @@ fn specimen(page: &mut Page, made: &Path) -> Tested {
     let drawn = page.ask("document.querySelector('.strip').getAttribute('aria-label')")?;
     assert!(drawn.as_str().is_some_and(|d| d.contains("width 6 mm") && d.contains("cut 1.5 mm")), "{drawn}");
     page.picture("workbench-geometry", true)?;
+    page.film(20)?;
     page.click("#geometry button[type=submit]")?;
     page.until("document.querySelector('#name').innerText === 'strip A & B'", SOON)?;
     page.until("document.querySelectorAll('#charts figure').length === 2", SOON)?;
@@ -150,10 +139,12 @@ fn specimen(page: &mut Page, made: &Path) -> Tested {
 
 /// A fit that moves while it runs; a slider whose curve follows at once, and the exact run on release.
 fn fits(page: &mut Page) -> Tested {
-    page.click("#fit")?;
+    by_keyboard(page, "#fit", ENTER)?;
     page.until("document.querySelector('#doing').textContent.includes('objective')", PATIENCE)?;
     page.picture("workbench-fitting", false)?;
     present(page, "Fit", PATIENCE)?;
+    page.ask("scrollTo(0, 0)")?;
+    page.film(20)?;
     assert!(page.text("#key")?.contains("N/mm"), "Gc with its unit");
     let before = misfit(page)?;
     let slider = "[data-path='bulk.k1'] input[type=range]";
@@ -171,23 +162,107 @@ fn fits(page: &mut Page) -> Tested {
     assert!(page.text("#linear")?.contains("differs from the linear curve by up to"));
     // Undo by the keyboard.
     page.press("z", 90, 2)?;
+    present(page, "Fit", SOON)?;
+    by_keyboard(page, slider, ("ArrowRight", 39))?;
+    present(page, "Values set", PATIENCE)?;
+    page.press("z", 90, 2)?;
+    present(page, "Fit", SOON)?;
+    leaves_out(page)?;
+    page.click("#check")?;
+    page.until(
+        &format!("document.querySelector('#doctor').innerText.includes('parameters they fix') && {IDLE}"),
+        PATIENCE,
+    )
+}
+
+/// A stretch dragged over in a chart is left out: the page and every later answer say so, and it counts again.
+fn leaves_out(page: &mut Page) -> Tested {
+    let before = misfit(page)?;
+    page.drag("[data-test=tearing] canvas.force", [0.7, 0.5], [0.8, 0.5])?;
+    let told = page.text("#w-told")?;
+    assert!(told.starts_with("tearing, ") && told.contains("points"), "{told}");
+    page.picture("workbench-stretch", false)?;
+    page.click("#w-out")?;
+    present(page, "Records weighed", PATIENCE)?;
+    let state = page.ask_later("fetch('/api/state').then(r => r.json())")?;
+    let remarks = state["answer"]["remarks"].to_string();
+    assert!(remarks.contains("left out of the fit"), "{remarks}");
+    let points = |state: &Value| state["answer"]["tests"]["tearing"]["points"].as_u64();
+    let row = state["curves"][1]["t"].as_array().map_or(0, Vec::len) as u64;
+    assert!(points(&state) < Some(row), "{:?} of {row}", points(&state));
+    page.click("[data-unweigh=tearing]")?;
+    page.until(&format!("!document.querySelector('[data-unweigh]') && {IDLE}"), PATIENCE)?;
+    assert_eq!(misfit(page)?, before);
+    let commands = page.text("#commands")?;
+    assert!(commands.contains("--weigh=tearing,") && commands.contains("--unweigh=tearing"), "{commands}");
+    // Twice in a row, without waiting.
+    page.press("z", 90, 2)?;
+    page.press("z", 90, 2)?;
     present(page, "Fit", SOON)
+}
+
+/// Probabilities of a search, look-alikes, "nothing" and "something else" are bars where a diagnosis has them.
+#[test]
+#[ignore = "needs Chromium; `just browser`"]
+fn probabilities_are_bars() -> Tested {
+    let chromium = driver::found().ok_or("no chromium on the path and no $CHROMIUM")?;
+    let made = common::synthetic()?;
+    let bench = Bench::open(made.path(), &["fit.toml"])?;
+    let mut page = Page::open(&chromium)?;
+    page.looks(1280, "light")?;
+    page.go(&bench.url)?;
+    page.until("document.querySelector('#name').innerText === 'strip'", SOON)?;
+    let row = |effect: &str, fall: f64, alike: &[&str]| json!({ "effect": effect, "expected_fall": fall, "significant": fall > 0.5, "look_alikes": alike, "sentence": "s." });
+    let screen = json!([
+        row("drift", 0.9, &["lag"]),
+        row("lag", 0.8, &["drift"]),
+        row("compliance", 0.1, &[]),
+        row("slack", 0.0, &[])
+    ]);
+    let posterior = json!({ "effects": { "compliance": 0.93, "lag": 0.03, "drift": 0.02 }, "nothing": 0.01, "something_else": 0.04,
+        "sets": [{ "effects": ["compliance"], "probability": 0.93 }],
+        "sensitivity": { "amplitude_half": { "effects": { "compliance": 0.6 } }, "rest_x2": { "effects": { "compliance": 0.92 } } } });
+    let shown = |page: &mut Page, diagnosis: Value| -> Result<Value, Box<dyn Error>> {
+        page.ask_later(&format!(
+            "(async () => {{ const missing = await import('/assets/missing.js'), state = await (await fetch('/api/state')).json();
+               missing.set({{ ...state, diagnosis: {diagnosis} }});
+               return [...document.querySelectorAll('#effects li:not(.group)')].map(l => [l.querySelector('b').textContent, l.querySelector('.muted').textContent,
+                 l.querySelector('.share span').style.width, l.closest('.group') !== null]); }})()"
+        ))
+    };
+    let bars = shown(&mut page, json!({ "screen": screen, "words": [], "posterior": posterior }))?;
+    let names: Vec<&str> = bars.as_array().into_iter().flatten().filter_map(|b| b[0].as_str()).collect();
+    assert_eq!(names, ["compliance", "lag", "drift", "nothing is missing", "something else"]);
+    assert_eq!(bars[0], json!(["compliance", "probability 93 %", "93%", false]));
+    assert_eq!(
+        (&bars[1][3], &bars[2][3], &bars[4][1]),
+        (&json!(true), &json!(true), &json!("probability 4 %"))
+    );
+    assert!(page.text("#words")?.contains("half the usual amplitudes: compliance 60 %"));
+    page.picture("workbench-probabilities", true)?;
+    // Without probabilities the screen's expectation is what there is.
+    let bars = shown(&mut page, json!({ "screen": screen, "words": [] }))?;
+    assert_eq!(bars[0], json!(["drift", "would take 90 % of χ²", "90%", true]));
+    assert_eq!(bars.as_array().map(Vec::len), Some(4), "{bars}");
+    assert_eq!(page.faults(), Vec::<String>::new());
+    Ok(())
 }
 
 /// What leads is added, and the error falls to the noise.
 fn adds(page: &mut Page) -> Tested {
     let before = misfit(page)?;
-    page.click("#diagnose")?;
+    by_keyboard(page, "#diagnose", ENTER)?;
     page.until(&format!("document.querySelector('#effects li') && {IDLE}"), PATIENCE)?;
     let names = page.ask("[...document.querySelectorAll('#effects li b')].map(b => b.textContent)")?;
     let told = page.text("#effects li")?;
     assert!(told.contains("of χ²"), "{told}");
     assert_eq!(names[0], "compliance", "{names}");
     shows(page)?;
-    // By the keyboard alone.
-    page.ask("document.querySelector('[data-add=compliance]').focus()")?;
-    page.press("Enter", 13, 0)?;
+    by_keyboard(page, "[data-add=compliance]", ENTER)?;
+    page.ask("scrollTo(0, 0)")?;
     present(page, "+ compliance", PATIENCE)?;
+    page.ask("scrollTo(0, 0)")?;
+    page.film(40)?;
     let after = misfit(page)?;
     println!("misfit {before:.3e} N, with compliance {after:.3e} N");
     assert!(after < 0.7 * before, "{before} {after}");
@@ -228,6 +303,20 @@ fn again(page: &mut Page, folder: &Path) -> Tested {
     present(page, "+ compliance", SOON)
 }
 
+/// Another window sees the same; what is done there is seen here.
+fn windows(page: &mut Page, chromium: &Path, bench: &Bench) -> Tested {
+    let mut other = Page::open(chromium)?;
+    other.go(&bench.url)?;
+    present(&mut other, "+ compliance", SOON)?;
+    assert_eq!(misfit(&mut other)?, misfit(page)?);
+    other.press("z", 90, 2)?;
+    present(page, "Fit", SOON)?;
+    page.press("z", 90, 10)?;
+    present(&mut other, "+ compliance", SOON)?;
+    assert_eq!(other.faults(), Vec::<String>::new());
+    present(page, "+ compliance", SOON)
+}
+
 /// Nothing is wider than its window; everything that is pressed has a name; labels of fields are theirs.
 fn looks(page: &mut Page) -> Tested {
     page.ask("scrollTo(0, 0)")?;
@@ -249,6 +338,7 @@ fn shows(page: &mut Page) -> Tested {
     page.hover("[data-effect=compliance]", [0.05, 0.5])?;
     page.until(&format!("{drawn}.every(h => h === 'compliance')"), SOON)?;
     page.picture("workbench-hover", false)?;
+    page.film(25)?;
     page.hover("#name", [0.5, 0.5])?;
     page.until(&format!("{drawn}.every(h => h === '')"), SOON)?;
     page.click("[data-card=compliance]")?;

@@ -116,7 +116,7 @@ pub fn tangent(
         scales[q] = d.dilate(q, j_bar);
         let (f, answer, h) = (&d.f[q], &mut answers[q], q * nh..(q + 1) * nh);
         (answer.p, answer.a) =
-            match Describe::hand_tangent(law, ctx, f, params, &old[h.clone()], &mut new[h.clone()]) {
+            match Describe::analytic_tangent(law, ctx, f, params, &old[h.clone()], &mut new[h.clone()]) {
                 Some(done) => done,
                 None => tangent_by_jets_9(law, ctx, f, params, &old[h.clone()], &mut new[h]),
             };

@@ -2,7 +2,7 @@
 //!
 //! Displacements that solve a linearised step change the volume to second order too, and a large bulk modulus
 //! makes of that a pressure far beyond the one looked for. As in a mixed method the pressure is therefore
-//! carried from iterate to iterate to first order and used where it multiplies second derivatives of the volume
+//! carried over from iterate to iterate to first order and used where it multiplies second derivatives of the volume
 //! (after the mixed integration points of Magisano, Leonetti and Garcea, Comput. Methods Appl. Mech. Eng. 313,
 //! 2017, 986, there for slender bodies and the whole stress).
 //! At convergence both pressures are one, and so are the equilibria found.

@@ -8,7 +8,7 @@
 use super::{Measure, Walk};
 use crate::equilibrium::Control;
 use crate::error::FemError;
-use crate::march::{March, fresh_commit};
+use crate::stepping::{Stepping, fresh_commit};
 
 /// Steps before a path is given up.
 const MOST_STEPS: usize = 20_000;
@@ -18,7 +18,7 @@ const MOST_STEPS: usize = 20_000;
 const CLOSES: f64 = 3e-5;
 
 /// Follows the path until the actuator first reaches `to`, every step reported, then stands exactly there.
-pub(crate) fn follow(m: &mut March, to: f64, dt: f64, target: usize) -> Result<(), FemError> {
+pub(crate) fn follow(m: &mut Stepping, to: f64, dt: f64, target: usize) -> Result<(), FemError> {
     let start = m.state.actuator;
     let direction = (to - start).signum();
     let rate = (to - start).abs() / dt.max(1e-12);
@@ -47,7 +47,7 @@ pub(crate) fn follow(m: &mut March, to: f64, dt: f64, target: usize) -> Result<(
 
 /// Stands exactly at `to` where the next step would pass it; else nothing.
 fn arrived(
-    m: &mut March,
+    m: &mut Stepping,
     walk: &mut Walk,
     to: f64,
     direction: f64,
@@ -76,7 +76,7 @@ fn arrived(
 }
 
 /// A step over which the work is what became of it, where energies are added up: a longer one is taken back and halved.
-fn closing_step(m: &mut March, walk: &mut Walk) -> Result<(), FemError> {
+fn closing_step(m: &mut Stepping, walk: &mut Walk) -> Result<(), FemError> {
     loop {
         let (mark, before, opening) = (m.mark(), walk.clone(), m.system.opening.clone());
         walk.step(m, None)?;
@@ -92,14 +92,14 @@ fn closing_step(m: &mut March, walk: &mut Walk) -> Result<(), FemError> {
 }
 
 /// Whether the ledger closes over the last step as well as before it.
-fn closes(m: &March) -> bool {
+fn closes(m: &Stepping) -> bool {
     let [.., before, last] = m.run.steps.as_slice() else { return true };
     let most = m.run.steps.iter().fold(0.0f64, |most, s| most.max(s.ledger.external_work.abs()));
     (last.ledger.gap() - before.ledger.gap()).abs() <= CLOSES * most
 }
 
 /// The walk from the last state by the other measure, one step on.
-fn changed(m: &mut March, walk: &Walk, direction: f64, rate: f64) -> Result<Walk, FemError> {
+fn changed(m: &mut Stepping, walk: &Walk, direction: f64, rate: f64) -> Result<Walk, FemError> {
     let step = m.options.arc_step;
     let other = match walk.measure {
         Measure::Arc => Measure::Softening,

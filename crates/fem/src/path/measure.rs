@@ -1,9 +1,9 @@
 //! What measures a step along the path: the arc, or the opening of the zone that softens.
 
 use crate::error::FemError;
-use crate::march::March;
 use crate::opening::{self, Weights};
 use crate::state::State;
+use crate::stepping::Stepping;
 
 /// What measures the steps of a walk.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,7 +17,7 @@ pub(crate) enum Measure {
 
 impl Measure {
     /// The opening that is measured at a state.
-    pub(super) fn opening(self, m: &March, state: &State) -> Weights {
+    pub(super) fn opening(self, m: &Stepping, state: &State) -> Weights {
         let equation = &m.system.equation;
         let softening = match self {
             Self::Arc => None,

@@ -10,9 +10,9 @@ mod walk;
 
 use crate::equilibrium::Control;
 use crate::error::FemError;
-use crate::march::{Jump, March, fresh_commit};
 use crate::opening;
 use crate::state::State;
+use crate::stepping::{Jump, Stepping, fresh_commit};
 pub(crate) use follow::follow;
 pub(crate) use measure::Measure;
 use walk::{Clock, Walk};
@@ -21,7 +21,7 @@ use walk::{Clock, Walk};
 const BOLD: f64 = 2.0;
 
 /// The measure of everything but walks.
-pub(crate) fn measure_by_arc(m: &mut March) {
+pub(crate) fn measure_by_arc(m: &mut Stepping) {
     m.system.opening = opening::mean(m.problem, &m.system.equation);
 }
 
@@ -31,7 +31,7 @@ const STEEP: f64 = 0.5;
 
 /// Whether the path at the last state is about to turn: cutting the step further would only find out slowly.
 /// On the way back a step fails for other reasons.
-pub(crate) fn limit_ahead(m: &mut March, step: f64) -> bool {
+pub(crate) fn limit_ahead(m: &mut Stepping, step: f64) -> bool {
     m.problem.path.is_some()
         && step * m.state.actuator > 0.0
         && Walk::start(m, Measure::Arc, step.signum(), step.abs(), 1.0)
@@ -43,7 +43,13 @@ pub(crate) fn limit_ahead(m: &mut March, step: f64) -> bool {
 ///
 /// Where the branch goes on without one, it ends on the way to the actuator displacement `to`. The actuator takes `dt` for
 /// `length` of its way; while the tear jumps, its clock stands still.
-pub(crate) fn jump(m: &mut March, measure: Measure, to: f64, length: f64, dt: f64) -> Result<(), FemError> {
+pub(crate) fn jump(
+    m: &mut Stepping,
+    measure: Measure,
+    to: f64,
+    length: f64,
+    dt: f64,
+) -> Result<(), FemError> {
     let before = m.state.clone();
     let direction = (to - before.actuator).signum();
     let enough = (4.0 * length).min(0.4 * (to - before.actuator).abs());
@@ -71,7 +77,7 @@ pub(crate) fn jump(m: &mut March, measure: Measure, to: f64, length: f64, dt: f6
             }
             walk.length = (0.5 * walk.length).max(walk.smallest);
         }
-        let reach = forward * walk.length;
+        let advance = forward * walk.length;
         if !turned && forward > 0.0 {
             // A limit point beyond the target is none of this step's: never past it.
             walk.length = walk.length.min(0.5 * (to - u0) * direction / forward);
@@ -95,7 +101,7 @@ pub(crate) fn jump(m: &mut March, measure: Measure, to: f64, length: f64, dt: f6
             return land(m, &walk, before, farthest, first, kept_recent, released);
         }
         // The limit point was only a cut-off step away: the branch goes on without a jump.
-        let calm = walk.tangent[0] * direction > STEEP || reach > (to - m.state.actuator) * direction;
+        let calm = walk.tangent[0] * direction > STEEP || advance > (to - m.state.actuator) * direction;
         if !turned
             && calm
             && (m.state.actuator - before.actuator) * direction > enough
@@ -113,7 +119,7 @@ pub(crate) fn jump(m: &mut March, measure: Measure, to: f64, length: f64, dt: f6
 
 /// Stands at the limit displacement on the new branch and writes the jump.
 fn land(
-    m: &mut March,
+    m: &mut Stepping,
     walk: &Walk,
     before: State,
     limit: f64,

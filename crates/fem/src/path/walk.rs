@@ -4,12 +4,12 @@ use super::measure::Measure;
 use crate::energy;
 use crate::equilibrium::{Border, Control, take_up, train_elongation};
 use crate::error::FemError;
-use crate::march::{Along, March, fresh_commit};
 use crate::opening::Weights;
 use crate::state::{Guess, State};
+use crate::stepping::{Along, Stepping, fresh_commit};
 
 /// Changes (actuator, opening) per unit of grip displacement at a converged state.
-fn rates(m: &March, border: &Border, state: &State) -> [f64; 2] {
+fn rates(m: &Stepping, border: &Border, state: &State) -> [f64; 2] {
     let mut scratch = m.state.history.train.clone();
     let (_, e_slope) = train_elongation(
         m.problem,
@@ -48,7 +48,7 @@ struct Following {
 /// The time that a rig's actuator says, which goes on at its pace whatever the tear does in between.
 #[derive(Clone, Copy)]
 pub(super) struct Clock {
-    /// Time and displacement at the begin.
+    /// Time and displacement at the start.
     pub(super) time: f64,
     pub(super) from: f64,
     /// Sense in which the actuator goes.
@@ -82,7 +82,7 @@ pub(super) struct Walk {
 
 impl Walk {
     pub(super) fn start(
-        m: &mut March,
+        m: &mut Stepping,
         measure: Measure,
         direction: f64,
         length: f64,
@@ -139,7 +139,7 @@ impl Walk {
 
     /// Refuses a step that goes back although nothing tears (the way just come), or further than asked for (onto another
     /// branch).
-    fn refuse_return(&self, m: &March, fresh: &State, dt: f64) -> Result<(), FemError> {
+    fn refuse_return(&self, m: &Stepping, fresh: &State, dt: f64) -> Result<(), FemError> {
         let Some(Following { direction, step }) = self.following else { return Ok(()) };
         let moved = fresh.actuator - m.state.actuator;
         let refused = |reason: &str| FemError::NoConvergence {
@@ -162,7 +162,7 @@ impl Walk {
     }
 
     /// The opening measured from a state on, and the tangent by it; `next` is that by the present one.
-    fn upcoming(&self, m: &mut March, at: &State, border: &Border, next: [f64; 2]) -> (Weights, [f64; 2]) {
+    fn upcoming(&self, m: &mut Stepping, at: &State, border: &Border, next: [f64; 2]) -> (Weights, [f64; 2]) {
         let present = m.system.opening.clone();
         if self.measure == Measure::Arc {
             return (present, next);
@@ -173,7 +173,7 @@ impl Walk {
     }
 
     /// One accepted step along the path.
-    pub(super) fn step(&mut self, m: &mut March, target: Option<usize>) -> Result<(), FemError> {
+    pub(super) fn step(&mut self, m: &mut Stepping, target: Option<usize>) -> Result<(), FemError> {
         let mut cuts = 0;
         loop {
             let w = m.opening(&m.state.u);
@@ -183,7 +183,7 @@ impl Walk {
             if let Some((before, grip, actuator, arc)) = &self.before {
                 let r = self.length / arc;
                 if let Some(g) = Guess::combined(&[(1.0 + r, &fresh.guess()), (-r, before)]) {
-                    fresh.begin_at(g);
+                    fresh.start_from(g);
                 }
                 fresh.grip += r * (fresh.grip - grip);
                 fresh.actuator += r * (fresh.actuator - actuator);
@@ -229,10 +229,10 @@ impl Walk {
         }
     }
 
-    /// After many cuts of a followed path's step Newton gets more iterations; a jump's are the march's own matter.
-    fn patience(&self, m: &mut March, cuts: usize) {
+    /// After many cuts of a followed path's step Newton gets more iterations; a jump's are the run's own matter.
+    fn patience(&self, m: &mut Stepping, cuts: usize) {
         if self.following.is_some() {
-            m.stubborn = cuts > PATIENT;
+            m.patient = cuts > PATIENT;
         }
     }
 

@@ -75,7 +75,7 @@ where
         for c in 0..self.seeds.len() {
             let y = &solution[c * n..(c + 1) * n];
             let along: f64 = stage.system.grip_column.iter().zip(y).map(|(a, b)| a * b).sum();
-            let held = m * (self.force_partial[c] + along); // dF at standing grip
+            let held = m * (self.force_partial[c] + along); // dF at a held grip
             // (1 + e' k) du_g = s_θ + s' du_a − e_θ − e' F_θ
             let lhs = 1.0 + slope * border.stiffness;
             let rhs = s_jet.eps[c] - e_jet.eps[c] - slope * held;

@@ -1,4 +1,4 @@
-//! A few columns at a time: jets of `W` derivatives, with the history of all laws carried along.
+//! A few columns at a time: jets of `W` derivatives, with the history of all laws propagated.
 
 use super::{Columns, Stage, StepDerivatives};
 use crate::equilibrium::Border;
@@ -16,7 +16,7 @@ pub struct Chunk<const W: usize> {
     pub(super) train: Vec<Jet<W>>,
     pub(super) local: LocalParams<Jet<W>>,
     pub(super) plain: LocalParams<f64>,
-    /// Which laws the seeds reach directly.
+    /// Which laws the seeds act on directly.
     in_bulk: bool,
     pub(super) in_shape: bool,
     pub(super) force_partial: [f64; W],
@@ -80,7 +80,7 @@ impl<const W: usize> Chunk<W> {
         }
     }
 
-    /// Whether the seeds reach the bulk neither directly nor through what it remembers.
+    /// Whether the seeds act on the bulk neither directly nor through what it remembers.
     const fn passes_by(&self) -> bool {
         !self.in_shape && !self.in_bulk && self.constant
     }

@@ -29,7 +29,7 @@ pub struct Stage<'a> {
     pub state: &'a State,
     /// Time and increment of the step that led to it.
     pub ctx: Context,
-    /// What the step held fixed: (t_u, t_w) of a path step, `None` for a standing actuator.
+    /// What the step held fixed: (t_u, t_w) of a path step, `None` for a held actuator.
     pub arc: Option<[f64; 2]>,
     /// Where the actuator stood before the step, mm.
     pub from: f64,
@@ -49,13 +49,13 @@ pub struct StepDerivatives {
     pub force: Vec<f64>,
     /// du_grip/dθ, mm per unit.
     pub grip: Vec<f64>,
-    /// du_actuator/dθ (path steps only; zero at a standing actuator).
+    /// du_actuator/dθ (path steps only; zero at a held actuator).
     pub actuator: Vec<f64>,
     /// Derivatives of the observer's extra outputs: `extra[output][column]`.
     pub extra: Vec<Vec<f64>>,
 }
 
-/// A set of derivative columns carried through a run.
+/// A set of derivative columns propagated through a run.
 pub trait Columns: Send {
     /// Number of columns.
     fn count(&self) -> usize;

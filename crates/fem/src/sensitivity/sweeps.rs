@@ -41,7 +41,7 @@ impl<const W: usize> Chunk<W> {
             .collect()
     }
 
-    /// Derivatives of the prescribed displacements at a standing grip.
+    /// Derivatives of the prescribed displacements at a held grip.
     pub(super) fn mount_jets(&self, u: &[f64]) -> Vec<Jet<W>> {
         let mut out: Vec<Jet<W>> = u.iter().map(|&x| Jet::constant(x)).collect();
         for f in &self.problem.mount {

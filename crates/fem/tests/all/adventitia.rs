@@ -7,7 +7,7 @@
 use crate::common;
 
 use common::*;
-use fem::{NoObserver, Observer, Run, State, System, march};
+use fem::{NoObserver, Observer, Run, State, System, run_steps};
 use hgo::published::{
     adventitia_2006,
     gasser_ogden_holzapfel_2006::{GAMMA_DEGREES, KAPPA, STRIP},
@@ -40,7 +40,7 @@ fn pull(theta: &[f64], n: [usize; 3]) -> Run {
     let force = Force(Mutex::new(0.0));
     let mut system = System::new(&problem).unwrap();
     let targets = plan(ramp(0.0, 8.0, 80));
-    march(&problem, theta, &mut system, None, &targets, &mut [], &force, shipped(), None, &|| {
+    run_steps(&problem, theta, &mut system, None, &targets, &mut [], &force, shipped(), None, &|| {
         *force.0.lock().unwrap() > 2.0
     })
 }

@@ -3,7 +3,7 @@ use crate::common;
 use crate::laws;
 
 use common::*;
-use fem::{Link, MarchOptions, Problem, Run};
+use fem::{Link, Problem, Run, SteppingOptions};
 use laws::{Compliance, Slip, Softening};
 use mesh::Strip;
 use std::sync::Arc;
@@ -110,7 +110,7 @@ fn ledger_with_a_bulk_that_softens() {
     let mut p = problem(&strip(true, true), Ends::Clamped, 1);
     p.bulk = Arc::new(Softening);
     p.bulk_params.extend([11, 12]);
-    let run = complete(&p, &theta, &cycle(2.8, 28), MarchOptions { ..shipped() });
+    let run = complete(&p, &theta, &cycle(2.8, 28), SteppingOptions { ..shipped() });
     assert!(run.steps.last().unwrap().ledger.dissipated_bulk > 0.0);
     closes("tear in a softening bulk", &run);
 }

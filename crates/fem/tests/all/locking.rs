@@ -177,7 +177,7 @@ fn cook_panel_converges() {
     }
 }
 
-/// A bulk modulus far beyond the matrix's stiffness costs Newton's method little: pressures are carried from
+/// A bulk modulus far beyond the matrix's stiffness costs Newton's method little: pressures are carried over from
 /// iterate to iterate to first order, not taken from what a linear step leaves in the volumes.
 #[test]
 fn newton_does_not_mind_a_large_bulk_modulus() {

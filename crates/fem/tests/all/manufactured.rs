@@ -246,7 +246,7 @@ fn newton_is_quadratic_on_the_assembled_tangent() {
 }
 
 #[test]
-fn one_step_of_the_march_gains_digits_quadratically() {
+fn one_load_step_gains_digits_quadratically() {
     let problem = problem(&peer_strip([8, 20, 2], false, true), Ends::Clamped, 1);
     let theta = Tissue::peers(1.0, 0.1).theta(1);
     let mut counts = Vec::new();

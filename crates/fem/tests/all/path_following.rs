@@ -3,7 +3,7 @@
 use crate::common;
 
 use common::*;
-use fem::{MarchOptions, Run, Target};
+use fem::{Run, SteppingOptions, Target};
 use mesh::{Sizing, Strip};
 
 /// A strip 4 mm wide and 1 mm thick with a cut of 1 mm.
@@ -24,7 +24,7 @@ impl Brittle {
         };
         let problem = problem(&strip, Ends::Clamped, 1);
         let tissue = Tissue { gc: self.gc, penalty: 10.0, ..Tissue::peers(1.0, self.sigma_c) };
-        let options = MarchOptions { follow_path: true, arc_step: self.step, ..shipped() };
+        let options = SteppingOptions { follow_path: true, arc_step: self.step, ..shipped() };
         complete(&problem, &tissue.theta(1), &[Target::new(0.0, 0.0), Target::new(self.to, self.to)], options)
     }
 

@@ -3,7 +3,7 @@ use crate::common;
 
 use common::*;
 use fem::sensitivity::{Columns, columns_for};
-use fem::{MarchOptions, NoObserver, Run, System, Target, march};
+use fem::{NoObserver, Run, SteppingOptions, System, Target, run_steps};
 use std::sync::Arc;
 
 struct Curve {
@@ -109,7 +109,7 @@ fn snap_back() -> (fem::Problem, Vec<f64>) {
 fn peers_snap_back_followed_along_the_path() {
     let data = curve("tear_8x20x2_K1_sc0.2_snapback");
     let (problem, theta) = snap_back();
-    let options = MarchOptions { follow_path: true, arc_step: 0.04, ..shipped() };
+    let options = SteppingOptions { follow_path: true, arc_step: 0.04, ..shipped() };
     let run = complete(&problem, &theta, &[Target::new(0.0, 0.0), Target::new(8.0, 160.0)], options);
     let turns = turning_points(&run);
     let (here, there) = (peak(&run), data.force.iter().fold(0.0f64, |m, f| m.max(*f)));
@@ -135,7 +135,7 @@ fn peers_snap_back_passed_by_a_jump() {
         &problem,
         &theta,
         &[Target::new(0.0, 0.0), Target::new(8.0, 160.0)],
-        MarchOptions { follow_path: true, arc_step: 0.02, ..shipped() },
+        SteppingOptions { follow_path: true, arc_step: 0.02, ..shipped() },
     );
     let run = complete(&problem, &theta, &plan(ramp(0.0, 8.0, 80)), shipped());
     assert_eq!(run.jumps.len(), 1, "{:?}", run.jumps);
@@ -166,15 +166,24 @@ fn peers_snap_back_passed_by_a_jump() {
 fn a_walk_that_leads_nowhere_is_taken_back() {
     let (problem, theta) = snap_back();
     let problem = Arc::new(problem);
-    let run = |targets: &[Target], options: MarchOptions| -> Run {
+    let run = |targets: &[Target], options: SteppingOptions| -> Run {
         let mut chunks = columns_for(&problem, &theta, &[0, 9, 10]);
         let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c as _).collect();
         let mut system = System::new(&problem).unwrap();
-        march(&problem, &theta, &mut system, None, targets, &mut columns, &NoObserver, options, None, &|| {
-            false
-        })
+        run_steps(
+            &problem,
+            &theta,
+            &mut system,
+            None,
+            targets,
+            &mut columns,
+            &NoObserver,
+            options,
+            None,
+            &|| false,
+        )
     };
-    let lost = run(&plan(ramp(0.0, 8.0, 20)), MarchOptions { jump_steps: 3, ..shipped() });
+    let lost = run(&plan(ramp(0.0, 8.0, 20)), SteppingOptions { jump_steps: 3, ..shipped() });
     assert!(lost.failure.is_some() && lost.jumps.is_empty());
     let last = lost.steps.last().unwrap();
     let until: Vec<f64> = ramp(0.0, 8.0, 20).filter(|u| *u < last.actuator).chain([last.actuator]).collect();
@@ -215,7 +224,7 @@ fn peers_torch_fem_derivatives_roughly() {
     let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c as _).collect();
     let mut system = System::new(&problem).unwrap();
     let targets = plan(ramp(0.0, 2.0, 10));
-    let run = march(
+    let run = run_steps(
         &problem,
         &theta,
         &mut system,

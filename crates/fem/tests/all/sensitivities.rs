@@ -11,8 +11,8 @@ use crate::laws;
 use common::*;
 use fem::sensitivity::{Columns, columns_for};
 use fem::{
-    Link, MarchOptions, MountField, NewtonOptions, NoObserver, Prescribed, Problem, Run, ShapeField, System,
-    Target, march,
+    Link, MountField, NewtonOptions, NoObserver, Prescribed, Problem, Run, ShapeField, SteppingOptions,
+    System, Target, run_steps,
 };
 use laws::{Compliance, Fading, Play, Slack, Slip, Softening};
 use mesh::{Sizing, Strip};
@@ -20,10 +20,10 @@ use std::sync::Arc;
 
 const AREAS: usize = 2;
 
-fn options() -> MarchOptions {
-    MarchOptions {
+fn options() -> SteppingOptions {
+    SteppingOptions {
         newton: NewtonOptions { tolerance: 1e-12, ..NewtonOptions::default() },
-        ..MarchOptions::default()
+        ..SteppingOptions::default()
     }
 }
 
@@ -41,7 +41,7 @@ fn differentiate(build: Build, theta: &[f64], seeds: &[usize], targets: &[Target
     let mut chunks = columns_for(&problem, theta, seeds);
     let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c as _).collect();
     let mut system = System::new(&problem).unwrap();
-    let run = march(
+    let run = run_steps(
         &problem,
         theta,
         &mut system,
@@ -49,7 +49,7 @@ fn differentiate(build: Build, theta: &[f64], seeds: &[usize], targets: &[Target
         targets,
         &mut columns,
         &NoObserver,
-        MarchOptions::default(),
+        SteppingOptions::default(),
         None,
         &|| false,
     );
@@ -313,7 +313,7 @@ fn sensitivities_behind_a_jump() {
 }
 
 /// Along a followed path actuator and force both depend on θ: what the arc step gives, reduced to a
-/// standing actuator, is what displacement control gives there.
+/// held actuator, is what displacement control gives there.
 #[test]
 fn sensitivities_along_a_followed_path() {
     let t = Tissue::peers(1.0, 0.2).theta(1);
@@ -323,14 +323,14 @@ fn sensitivities_along_a_followed_path() {
         let mut chunks = columns_for(&problem, &t, &seeds);
         let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c as _).collect();
         let mut system = System::new(&problem).unwrap();
-        let o = MarchOptions { follow_path, ..options() };
-        march(&problem, &t, &mut system, None, targets, &mut columns, &NoObserver, o, None, &|| false)
+        let o = SteppingOptions { follow_path, ..options() };
+        run_steps(&problem, &t, &mut system, None, targets, &mut columns, &NoObserver, o, None, &|| false)
     };
     let path = run(&[Target::new(0.0, 0.0), Target::new(8.0, 100.0)], true);
     assert!(path.failure.is_none(), "{:?}", path.failure);
     let last = path.steps.windows(2).position(|w| w[1].actuator < w[0].actuator).unwrap();
     let stable: Vec<usize> = (1..last - 2).collect();
-    let standing = run(&plan(stable.iter().map(|&i| path.steps[i].actuator)), false);
+    let held = run(&plan(stable.iter().map(|&i| path.steps[i].actuator)), false);
     for (c, seed) in seeds.iter().enumerate() {
         let reduced: Vec<f64> = stable
             .iter()
@@ -339,7 +339,7 @@ fn sensitivities_along_a_followed_path() {
                 s.derivatives.force[c] - s.slope * s.derivatives.actuator[c]
             })
             .collect();
-        let want: Vec<f64> = at_targets(&standing).skip(1).map(|s| s.derivatives.force[c]).collect();
+        let want: Vec<f64> = at_targets(&held).skip(1).map(|s| s.derivatives.force[c]).collect();
         println!("followed path, parameter {seed}: {:.1e} over {} steps", worst(&reduced, &want), want.len());
         assert!(worst(&reduced, &want) < 1e-5);
     }

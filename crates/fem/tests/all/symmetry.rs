@@ -4,7 +4,7 @@ use crate::laws;
 
 use common::*;
 use fem::sensitivity::{Columns, columns_for};
-use fem::{Link, MarchOptions, NoObserver, Problem, Run, System, Warm, march};
+use fem::{Link, NoObserver, Problem, Run, SteppingOptions, System, Warm, run_steps};
 use mesh::Strip;
 use std::sync::Arc;
 
@@ -46,7 +46,7 @@ fn same_bits_on_one_and_two_threads() {
             let mut chunks = columns_for(&problem, &theta, &seeds);
             let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c as _).collect();
             let mut system = System::new(&problem).unwrap();
-            march(
+            run_steps(
                 &problem,
                 &theta,
                 &mut system,
@@ -91,7 +91,7 @@ fn same_bits_on_one_and_two_threads() {
 fn warmed(problem: &Problem, theta: &[f64], targets: &[fem::Target], warm: &Warm) -> Run {
     let mut system = System::new(problem).unwrap();
     let never = || false;
-    march(problem, theta, &mut system, None, targets, &mut [], &NoObserver, tight(), Some(warm), &never)
+    run_steps(problem, theta, &mut system, None, targets, &mut [], &NoObserver, tight(), Some(warm), &never)
 }
 
 #[test]
@@ -105,9 +105,11 @@ fn guesses_change_the_cost_but_not_the_answer() {
     let mut chunks = columns_for(&half, &theta, &seeds);
     let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c as _).collect();
     let mut system = System::new(&half).unwrap();
-    let keep = MarchOptions { keep_states: true, keep_gradients: true, ..tight() };
+    let keep = SteppingOptions { keep_states: true, keep_gradients: true, ..tight() };
     let known =
-        march(&half, &theta, &mut system, None, &targets, &mut columns, &NoObserver, keep, None, &|| false);
+        run_steps(&half, &theta, &mut system, None, &targets, &mut columns, &NoObserver, keep, None, &|| {
+            false
+        });
     let warm = Warm::first_order(&known, targets.len(), &theta, &seeds);
     theta.iter_mut().for_each(|t| *t *= 1.01);
     let cold = complete(&half, &theta, &targets, tight());
@@ -133,7 +135,7 @@ fn a_state_known_behind_a_load_train_is_found_at_once() {
     let mut theta = Tissue::peers(1.0, 0.1).theta(1);
     theta.push(3.0);
     let targets = plan(ramp(0.0, 3.0, 10));
-    let keep = MarchOptions { keep_states: true, ..tight() };
+    let keep = SteppingOptions { keep_states: true, ..tight() };
     let cold = complete(&problem, &theta, &targets, keep);
     let again = warmed(&problem, &theta, &targets, &Warm::of(&cold, targets.len()));
     println!(

@@ -38,8 +38,8 @@ proptest! {
     }
 
     #[test]
-    fn hand_tangent_is_the_jet_tangent(law in laws(), f in deformations(), p in parameters()) {
-        let error = testing::hand_tangent_error(&law, &Context::default(), &f, &p, &[], by_jets(&law, &f, &p));
+    fn analytic_tangent_is_the_jet_tangent(law in laws(), f in deformations(), p in parameters()) {
+        let error = testing::analytic_tangent_error(&law, &Context::default(), &f, &p, &[], by_jets(&law, &f, &p));
         prop_assert!(error.unwrap() < 1e-12, "{error:?}");
     }
 
@@ -160,7 +160,7 @@ fn laminate_and_soft_tissue_scales_both_hold() {
     ] {
         let law = Hgo::default();
         let error =
-            testing::hand_tangent_error(&law, &Context::default(), &f, &p, &[], by_jets(&law, &f, &p));
+            testing::analytic_tangent_error(&law, &Context::default(), &f, &p, &[], by_jets(&law, &f, &p));
         assert!(error.unwrap() < 1e-12, "{p:?}: {error:?}");
     }
 }

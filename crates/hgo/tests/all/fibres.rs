@@ -149,7 +149,7 @@ fn stress_is_continuous_and_tangent_jumps_at_the_switch() {
         assert!((fibre_modulus(e) - jump).abs() < 30.0 * e * jump + 1e-6);
         assert_eq!(fibre_modulus(-e), 0.0);
     }
-    // Exactly on the switch the family is off: a definite answer, the same by hand and by jets.
+    // Exactly on the switch the family is off: a definite answer, the same analytic and by jets.
     assert_eq!(fibre_strain(&law, &tensor::identity(), &p, 0), 0.0);
     assert_eq!(fibre_modulus(0.0), 0.0);
 }
@@ -210,7 +210,7 @@ fn overflow_and_inverted_elements_answer_non_finite_without_panic() {
                 assert!(force.iter().any(|x| !x.is_finite()));
                 assert!(a.iter().flatten().any(|x| !x.is_finite()));
                 let (force, a) =
-                    constitutive::Describe::hand_tangent(&law, &Context::default(), &f, &p, &[], &mut [])
+                    constitutive::Describe::analytic_tangent(&law, &Context::default(), &f, &p, &[], &mut [])
                         .unwrap();
                 assert!(force.iter().chain(a.iter().flatten()).any(|x| !x.is_finite()));
             }

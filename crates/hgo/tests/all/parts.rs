@@ -15,11 +15,11 @@ fn seeded(f: &[f64; 9]) -> [Jet<9>; 9] {
     std::array::from_fn(|i| Jet::variable(f[i], i))
 }
 
-/// Worst difference of a stress and tangent by hand from a response in jets, relative to the larger entries.
-fn error(by_hand: &([f64; 9], [[f64; 9]; 9]), jets: &Response<Jet<9>, 9>) -> f64 {
+/// Worst difference of a stress and analytic tangent from a response in jets, relative to the larger entries.
+fn error(analytic: &([f64; 9], [[f64; 9]; 9]), jets: &Response<Jet<9>, 9>) -> f64 {
     let floor = largest(jets.force.iter().flat_map(|x| &x.eps));
-    let stress = difference(&by_hand.0, &jets.force.map(|x| x.re), 1e-3 * floor);
-    by_hand.1.iter().zip(&jets.force).map(|(a, p)| difference(a, &p.eps, floor)).fold(stress, f64::max)
+    let stress = difference(&analytic.0, &jets.force.map(|x| x.re), 1e-3 * floor);
+    analytic.1.iter().zip(&jets.force).map(|(a, p)| difference(a, &p.eps, floor)).fold(stress, f64::max)
 }
 
 proptest! {

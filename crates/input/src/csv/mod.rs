@@ -114,13 +114,13 @@ pub(crate) fn cells<'a>(
                 );
                 return None;
             };
-            let begin = line.start + at + blanks;
-            (Cell { text: content, span: begin..begin + len }, at + blanks + len)
+            let start = line.start + at + blanks;
+            (Cell { text: content, span: start..start + len }, at + blanks + len)
         } else {
             let len = rest.find(',').unwrap_or(rest.len());
             let content = rest[..len].trim();
-            let begin = line.start + at + if content.is_empty() { 0 } else { blanks };
-            (Cell { text: Cow::Borrowed(content), span: begin..begin + content.len() }, at + len)
+            let start = line.start + at + if content.is_empty() { 0 } else { blanks };
+            (Cell { text: Cow::Borrowed(content), span: start..start + content.len() }, at + len)
         };
         cells.push(cell);
         let tail = &text[end..];

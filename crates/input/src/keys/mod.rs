@@ -140,6 +140,8 @@ pub enum Kind {
     Priors,
     /// A list of legs.
     Legs,
+    /// A list of stretches of a record with a weight each.
+    Weights,
     /// A table with keys of its own.
     Table,
     /// A list of tables with keys of their own.

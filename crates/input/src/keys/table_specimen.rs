@@ -161,6 +161,31 @@ pub(super) fn tests(b: &mut Builder) {
             number(Length, Limits::within(SHORTEST, LONGEST)),
             absent("δc"),
             "opening from which the camera counts a point as torn",
+        )
+        .key(
+            "weights",
+            Kind::Weights,
+            absent("all points count alike"),
+            "stretches of the record that count less, more, or not at all in a fit: { from_s, to_s, weight } each; where two overlap, the later one holds",
+        );
+    b.section("tests.weights")
+        .key(
+            "from",
+            number(Time, Limits::within(0.0, FOREVER)),
+            Fallback::Required,
+            "first instant of the stretch",
+        )
+        .key(
+            "to",
+            number(Time, Limits::within(0.0, FOREVER)),
+            Fallback::Required,
+            "last instant of the stretch",
+        )
+        .key(
+            "weight",
+            number(Dimensionless, Limits::within(0.0, 100.0)),
+            Fallback::Number(0.0),
+            "factor of its part in χ²; 0: left out of the fit",
         );
     b.section("tests.protocol")
         .key(

@@ -4,7 +4,7 @@ use super::noise::check_noise;
 use super::scalar;
 use super::section::{Context, Section};
 use super::specimen::{checked_name, linked, resolve};
-use crate::case::{Ends, Geometry, Grips, Leg, Record, Test};
+use crate::case::{Ends, Geometry, Grips, Leg, Record, Test, Weight};
 use crate::csv;
 use crate::diagnostics::Report;
 use crate::experiment::TestKind;
@@ -16,6 +16,10 @@ use toml::de::DeValue;
 const LEAST_WAY: f64 = 1e-6;
 /// Most legs of one protocol.
 const MOST_LEGS: usize = 20_000;
+/// Most stretches of one record with a weight.
+const MOST_WEIGHTS: usize = 1000;
+/// Fewest points of a record that must count.
+const LEAST_POINTS: usize = 4;
 /// Most tests of one piece.
 const MOST: usize = 1000;
 
@@ -64,6 +68,7 @@ fn test(s: &Section<'_>, geometry: &Geometry) -> Option<Test> {
         tear_front_sd: s.optional_number("tear_front_sd"),
         width_change_sd: s.optional_number("width_change_sd"),
         tear_front_opening: s.optional_number("tear_front_opening"),
+        weights: weights(s),
     };
     if s.entry("data").is_none() && s.entry("protocol").is_none() {
         let report =
@@ -79,6 +84,7 @@ fn test(s: &Section<'_>, geometry: &Geometry) -> Option<Test> {
     if let Some(record) = &test.record {
         check_channels(s, &test, record, geometry);
         check_noise(s, &test, record);
+        check_weights(s, &test, record);
     }
     Some(test)
 }
@@ -175,6 +181,60 @@ fn protocol(s: &Section<'_>) -> Option<Vec<Leg>> {
         legs.extend(leg(&section, &mut at));
     }
     (legs.len() == items.len()).then_some(legs)
+}
+
+/// Stretches of the record with a weight.
+fn weights(s: &Section<'_>) -> Vec<Weight> {
+    let expected = "a list of { from_s, to_s, weight }";
+    let Some(entry) = s.entry("weights") else { return Vec::new() };
+    let Some(items) = scalar::list(s.context, "weights", entry.item, expected) else { return Vec::new() };
+    if items.len() > MOST_WEIGHTS {
+        s.fault("weights", format!("`weights` has {}; expected at most {MOST_WEIGHTS}", items.len()));
+        return Vec::new();
+    }
+    let mut out = Vec::new();
+    for (i, item) in items.iter().enumerate() {
+        let title = format!("weight {}", i + 1);
+        let DeValue::Table(table) = item.get_ref() else {
+            scalar::wrong_type(s.context, &title, item, "{ from_s, to_s, weight }");
+            continue;
+        };
+        let section = Section::open(s.context, title, item.span(), table, keys::of("tests.weights"));
+        let one = Weight {
+            from_s: section.number("from"),
+            to_s: section.number("to"),
+            weight: section.number("weight"),
+        };
+        if one.from_s > one.to_s {
+            let message = format!("`to_s` is {}; expected {} or later", plain(one.to_s), plain(one.from_s));
+            s.context.report(Report::error(message).key("to_s"), item.span());
+        }
+        out.push(one);
+    }
+    out
+}
+
+/// A stretch beside the record, and a record of which nothing is left.
+fn check_weights(s: &Section<'_>, test: &Test, record: &Record) {
+    let Some(entry) = s.entry("weights") else { return };
+    let used = record.time.iter().filter(|t| test.weight_at(**t) > 0.0).count();
+    if used < LEAST_POINTS.min(record.len()) {
+        let message =
+            format!("`weights` leave {used} of {} rows; expected at least {LEAST_POINTS}", record.len());
+        s.context.report(Report::error(message).key("weights"), entry.item.span());
+    }
+    for w in &test.weights {
+        if !record.time.iter().any(|t| (w.from_s..=w.to_s).contains(t)) {
+            let end = record.time.last().copied().unwrap_or_default();
+            let message = format!(
+                "no row of the record lies from {} s to {} s; it ends at {} s",
+                plain(w.from_s),
+                plain(w.to_s),
+                plain(end)
+            );
+            s.context.report(Report::warning(message).key("weights"), entry.item.span());
+        }
+    }
 }
 
 /// One leg; `at` is where the actuator stands, if that is known.

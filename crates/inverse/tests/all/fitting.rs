@@ -167,9 +167,9 @@ fn stop_reasons_are_told_apart() {
 }
 
 #[test]
-fn many_trials_are_for_steps_that_promise_something() {
+fn many_trials_are_for_steps_that_predict_a_reduction() {
     let d = data(&truth(&Toy(40, exponential), &[3.0, 0.7, -0.4]), NoiseModel::white(0.05));
-    // Its steps promise much and go uphill.
+    // Its steps predict much and go uphill.
     let liar = Toy(40, |i, p: &[f64]| {
         let (y, j) = exponential(i, p);
         (y, j.iter().map(|v| -v).collect())

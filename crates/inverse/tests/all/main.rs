@@ -1,11 +1,12 @@
 //! All tests of `inverse` from outside, in one program: each of its own would be linked anew.
 
-mod arms;
+mod asymmetric;
 mod averages;
 mod coverage;
 mod fitting;
 mod line;
-mod search_by_hand;
+mod mapped;
+mod search_worked;
 mod starts_and_words;
 mod toys;
-mod uncertainty_by_hand;
+mod uncertainty_worked;

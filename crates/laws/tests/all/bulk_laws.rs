@@ -100,7 +100,7 @@ proptest! {
         for (name, law) in variants() {
             let p = values(&law.parameters(), &x);
             let jets = tangent_by_jets_9(&*law, &Context::default(), &f, &p, &[], &mut []);
-            let error = testing::hand_tangent_error(&*law, &Context::default(), &f, &p, &[], jets);
+            let error = testing::analytic_tangent_error(&*law, &Context::default(), &f, &p, &[], jets);
             prop_assert!(error.expect("every law has one") < 1e-11, "{}: {:?}", name, error);
         }
     }
@@ -226,7 +226,7 @@ fn what_is_out_of_domain_is_seen_not_thrown() {
         for f in [[0.0; 9], [f64::NAN; 9], [-1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]] {
             let (force, _, _) = testing::respond(&*law, &Context::default(), &f, &p, &[]);
             assert!(force.iter().any(|x| !x.is_finite()), "{name} {f:?}: {force:?}");
-            let answer = law.hand_tangent(&Context::default(), &f, &p, &[], &mut []);
+            let answer = law.analytic_tangent(&Context::default(), &f, &p, &[], &mut []);
             assert!(answer.is_none_or(|(p, _)| p.iter().any(|x| !x.is_finite())), "{name}");
         }
     }

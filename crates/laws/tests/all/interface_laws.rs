@@ -76,7 +76,7 @@ proptest! {
             let p = values(&*law, c, shape);
             let (o, old) = (scaled(&o, &p), [old * p[GC] / p[SIGMA_C]]);
             let jets = tangent_by_jets_3(&*law, &Context::default(), &o, &p, &old, &mut [0.0]);
-            let error = testing::hand_tangent_error(&*law, &Context::default(), &o, &p, &old, jets);
+            let error = testing::analytic_tangent_error(&*law, &Context::default(), &o, &p, &old, jets);
             prop_assert!(error.expect("every law has one") < 1e-11, "{}: {:?}", name, error);
         }
     }

@@ -76,7 +76,7 @@ impl Describe<9> for Turned {
         self.inner.energies(ctx, &to_law(f), params, old, new)
     }
 
-    fn hand_tangent(
+    fn analytic_tangent(
         &self,
         ctx: &Context,
         f: &[f64; 9],
@@ -84,7 +84,7 @@ impl Describe<9> for Turned {
         old: &[f64],
         new: &mut [f64],
     ) -> Option<([f64; 9], [[f64; 9]; 9])> {
-        let (force, tangent) = self.inner.hand_tangent(ctx, &to_law(f), params, old, new)?;
+        let (force, tangent) = self.inner.analytic_tangent(ctx, &to_law(f), params, old, new)?;
         Some((to_model(&force), to_model(&tangent.map(|row| to_model(&row)))))
     }
 

@@ -26,7 +26,7 @@ pub struct Stepping {
 
 /// A stretch of a test on which the force is smooth.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Piece {
+pub struct PlanSegment {
     /// Time at its ends, s.
     pub time: [f64; 2],
     /// Displacement at its ends, mm.
@@ -37,7 +37,7 @@ pub struct Piece {
     pub leg: usize,
 }
 
-impl Piece {
+impl PlanSegment {
     /// Whether the actuator stands still.
     pub fn is_hold(&self) -> bool {
         self.displacement[0] == self.displacement[1]
@@ -52,7 +52,7 @@ pub struct Plan {
     /// Time of each target since the start of the test, s.
     pub times: Vec<f64>,
     /// Pieces in order.
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<PlanSegment>,
 }
 
 /// Pieces and targets for an identification.
@@ -118,7 +118,7 @@ fn ramp(plan: &mut Plan, a: Corner, b: Corner, leg: usize, spacing: f64) {
 
 /// The piece from the target `first` to the last one, between two corners.
 fn close(plan: &mut Plan, first: usize, a: Corner, b: Corner, leg: usize) {
-    plan.pieces.push(Piece {
+    plan.pieces.push(PlanSegment {
         time: [a.time, b.time],
         displacement: [a.displacement, b.displacement],
         targets: [first, plan.targets.len() - 1],

@@ -1,12 +1,12 @@
 //! From steps back to record points: the piece a point lies in, and its weights on the steps there.
 
-use super::{Piece, Plan};
+use super::{Plan, PlanSegment};
 use fem::Run;
 
 /// Where a record point lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// Piece.
+    /// PlanSegment.
     pub piece: usize,
     /// Time, s.
     pub time: f64,
@@ -24,7 +24,7 @@ pub struct Stencil {
     pub smooth: bool,
 }
 
-impl Piece {
+impl PlanSegment {
     fn abscissa(&self, time: f64, displacement: f64) -> f64 {
         if self.is_hold() {
             time.clamp(self.time[0], self.time[1])
@@ -101,7 +101,12 @@ impl RunIndex {
 }
 
 /// The steps on the same side of every jump as the point; whether a jump is next to it.
-fn branch(nodes: &[(f64, usize)], run: &Run, at: f64, piece: &Piece) -> Option<(Vec<(f64, usize)>, bool)> {
+fn branch(
+    nodes: &[(f64, usize)],
+    run: &Run,
+    at: f64,
+    piece: &PlanSegment,
+) -> Option<(Vec<(f64, usize)>, bool)> {
     if nodes.is_empty() {
         return None;
     }

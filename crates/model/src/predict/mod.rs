@@ -11,7 +11,7 @@ use crate::camera::Camera;
 use crate::plan::{Corner, Plan, Stepping, corners_of_protocol, corners_of_record, plan};
 use constitutive::WIDTH;
 use fem::sensitivity::{Chunk, Columns};
-use fem::{History, MarchOptions, Run, State, Target, Warm, march};
+use fem::{History, Run, State, SteppingOptions, Target, Warm, run_steps};
 use input::TestKind;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ pub const LONG_REST: f64 = 1e9;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunOptions {
     /// Finite-element options.
-    pub march: MarchOptions,
+    pub march: SteppingOptions,
     /// Grid lines over the displacement range of a test that tears.
     pub tearing_steps: usize,
     /// Grid lines over the displacement range of a test in which nothing tears.
@@ -34,7 +34,7 @@ pub struct RunOptions {
 
 impl Default for RunOptions {
     fn default() -> Self {
-        Self { march: MarchOptions::default(), tearing_steps: 48, uniaxial_steps: 20, follow_holds: false }
+        Self { march: SteppingOptions::default(), tearing_steps: 48, uniaxial_steps: 20, follow_holds: false }
     }
 }
 
@@ -188,7 +188,7 @@ impl Model {
         let camera = self.camera_at(t, request.theta);
         let mut columns: Vec<&mut (dyn Columns + 'static)> =
             chunks.iter_mut().map(|c| c as &mut (dyn Columns + 'static)).collect();
-        let run = march(
+        let run = run_steps(
             &problem,
             request.theta,
             &mut system,

@@ -1,6 +1,6 @@
 //! The answer of `fct identify`.
 
-use super::remarks::{by_energy, held_at_limits, led_by_mesh, remarks};
+use super::remarks::{by_energy, held_at_limits, mesh_dominated, remarks, weighed};
 use super::{EnergyAnswer, SCHEMA, finite};
 use crate::published::Published;
 use analysis::{HistoryEntry, Identified, Left, PhaseCost, SimulatedTest};
@@ -239,12 +239,14 @@ impl IdentifyAnswer {
             })
             .collect();
         let limits = held_at_limits(&done.model.parameters).into_iter();
-        let led = led_by_mesh(&done.led_by_mesh, &tests);
+        let dominated = mesh_dominated(&done.mesh_dominated, &tests);
+        let weighed = weighed(case).into_iter();
         let toughness: Vec<f64> =
             parameters.iter().filter(|p| p.path.ends_with("].gc")).map(|p| p.value).collect();
         let mean = toughness.iter().sum::<f64>() / toughness.len() as f64;
         let balance = by_energy(&tests, finite(mean));
-        let remarks = limits.chain(led).chain(remarks(replayed)).chain(balance).collect();
+        let remarks =
+            weighed.chain(limits).chain(dominated).chain(remarks(replayed)).chain(balance).collect();
         Self {
             schema: SCHEMA,
             specimen: case.name.clone(),

@@ -5,7 +5,7 @@ mod compare;
 mod identify;
 mod remarks;
 mod rung;
-pub use remarks::held_at_limits;
+pub use remarks::{held_at_limits, weighed};
 mod simulate;
 
 pub use compare::CompareAnswer;

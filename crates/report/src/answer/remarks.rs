@@ -4,6 +4,7 @@ use super::identify::TestFit;
 use crate::terminal::significant;
 use analysis::SimulatedTest;
 use indexmap::IndexMap;
+use input::{Case, Record, Test, Weight};
 use params::Parameter;
 
 /// Fewer elements than this in the softening zone make a force that wavers with the mesh (three at least: Turon et al.
@@ -32,12 +33,12 @@ pub fn held_at_limits(parameters: &[Parameter]) -> Option<String> {
 }
 
 /// What the mesh's own error does to intervals that are mostly made of it: they count it, to first order, and were seen
-/// to hold the truth in 85 to 98 % of repeats (docs/reliability.md). `led`: the parameters.
-pub fn led_by_mesh(led: &[String], tests: &IndexMap<String, TestFit>) -> Option<String> {
-    if led.is_empty() {
+/// to hold the truth in 85 to 98 % of repeats (docs/reliability.md). `dominated`: the parameters.
+pub fn mesh_dominated(dominated: &[String], tests: &IndexMap<String, TestFit>) -> Option<String> {
+    if dominated.is_empty() {
         return None;
     }
-    let (shown, rest) = led.split_at(led.len().min(PARAMETERS_SHOWN));
+    let (shown, rest) = dominated.split_at(dominated.len().min(PARAMETERS_SHOWN));
     let more = if rest.is_empty() { String::new() } else { format!(" and {} more", rest.len()) };
     let errors: Vec<String> = tests
         .iter()
@@ -68,6 +69,27 @@ pub fn by_energy(tests: &IndexMap<String, TestFit>, identified: Option<f64>) -> 
         ))
     };
     tests.iter().filter_map(told).collect()
+}
+
+/// What of the records counts less, more or not at all.
+pub fn weighed(case: &Case) -> Vec<String> {
+    let of = |t: &Test| -> Vec<String> {
+        let rows = |w: &Weight| {
+            let times = t.record.iter().flat_map(|r| &r.time);
+            times.filter(|at| (w.from_s..=w.to_s).contains(*at)).count()
+        };
+        let all = t.record.as_ref().map_or(0, Record::len);
+        let told = |w: &Weight| match w.weight {
+            0.0 => "left out of the fit".to_owned(),
+            by => format!("counted {} times", significant(by, 3)),
+        };
+        let line = |w: &Weight| {
+            let [from, to] = [w.from_s, w.to_s].map(|s| significant(s, 4));
+            format!("{}: {from} s to {to} s {} ({} of {all} points).", t.name, told(w), rows(w))
+        };
+        t.weights.iter().map(line).collect()
+    };
+    case.tests.iter().flat_map(of).collect()
 }
 
 /// Remarks on finished runs.
@@ -112,11 +134,13 @@ mod tests {
             gc_by_energy: None,
         };
         let tests = IndexMap::from([("tearing".into(), fit)]);
-        assert_eq!(led_by_mesh(&[], &tests), None);
-        let led: Vec<String> = (1..=6).map(|i| format!("interface.area[{i}].gc")).collect();
-        let told = led_by_mesh(&led, &tests).expect("a remark");
+        assert_eq!(mesh_dominated(&[], &tests), None);
+        let dominated: Vec<String> = (1..=6).map(|i| format!("interface.area[{i}].gc")).collect();
+        let told = mesh_dominated(&dominated, &tests).expect("a remark");
         assert!(told.contains("(tearing 0.022 N, 2.2 times the noise)"), "{told}");
         assert!(told.contains("interface.area[4].gc and 2 more. "), "{told}");
-        assert!(led_by_mesh(&led[..1], &tests).expect("a remark").contains("of interface.area[1].gc. "));
+        assert!(
+            mesh_dominated(&dominated[..1], &tests).expect("a remark").contains("of interface.area[1].gc. ")
+        );
     }
 }

@@ -44,7 +44,7 @@ pub struct TestCurve {
     pub tear_front_mm: Vec<f64>,
     /// Camera: change of width, mm.
     pub width_change_mm: Vec<f64>,
-    /// Jumps at a standing actuator.
+    /// Jumps at a held actuator.
     pub jumps: Vec<JumpAnswer>,
     /// Energies at the end.
     pub energy: EnergyAnswer,
@@ -52,7 +52,7 @@ pub struct TestCurve {
     pub stopped_because: Option<String>,
 }
 
-/// A jump at a standing actuator.
+/// A jump at a held actuator.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct JumpAnswer {
     /// Actuator displacement, mm.

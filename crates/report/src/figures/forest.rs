@@ -34,6 +34,8 @@ const ROW: f64 = 20.0;
 const LEFT: f64 = 250.0;
 const WIDTH: f64 = 460.0;
 const RIGHT: f64 = 250.0;
+/// Half the height of a mean's diamond.
+const DIAMOND: f64 = 6.0;
 
 /// The plot as SVG; `axis` names the quantity with its unit. Empty where no row has a value.
 pub fn forest(axis: &str, groups: &[ForestGroup]) -> String {
@@ -74,6 +76,7 @@ fn draw_row(out: &mut String, scale: &Scale, y: f64, row: &ForestRow) {
         out,
         "<path d=\"M{low:.1} {middle:.1}H{high:.1}\" stroke=\"{colour}\" stroke-width=\"1.5\"/>"
     );
+    scale.goes_on(out, middle, row.interval, colour);
     let half = 2.5 + 4.0 * row.weight.unwrap_or(0.0).sqrt();
     let fill = if row.weight.is_some() { colour } else { "none" };
     let _ = writeln!(
@@ -103,11 +106,17 @@ fn draw_mean(
             "<path d=\"M{low:.1} {middle:.1}H{high:.1}\" stroke=\"#D55E00\" stroke-width=\"1.5\" stroke-dasharray=\"3 3\"/>"
         );
     }
-    let [low, high] = interval.map(|v| scale.at(v));
-    let (top, bottom) = (middle - 6.0, middle + 6.0);
+    // A diamond that the frame cuts has an edge there, not a tip that would be taken for its end.
+    let [(low, left), (high, right)] = interval.map(|v| (scale.at(v), DIAMOND * scale.cut(mean, v)));
+    let (top, bottom) = (middle - DIAMOND, middle + DIAMOND);
     let _ = writeln!(
         out,
-        "<path d=\"M{low:.1} {middle:.1}L{x:.1} {top:.1}L{high:.1} {middle:.1}L{x:.1} {bottom:.1}Z\" fill=\"#D55E00\"/>"
+        "<path d=\"M{low:.1} {:.1}L{x:.1} {top:.1}L{high:.1} {:.1}L{high:.1} {:.1}L{x:.1} {bottom:.1}L{low:.1} {:.1}Z\" \
+         fill=\"#D55E00\"/>",
+        middle - left,
+        middle - right,
+        middle + right,
+        middle + left
     );
     text(out, 20.0, y, "bold", "random-effects mean");
     let [a, b] = interval.map(short);
@@ -137,19 +146,40 @@ impl Scale {
         let values: Vec<f64> = rows().map(|r| r.value).chain(means).filter(|v| v.is_finite()).collect();
         let low = values.iter().copied().reduce(f64::min)?;
         let high = values.iter().copied().reduce(f64::max)?;
-        let reach = (high - low).max(0.2 * high.abs()).max(f64::MIN_POSITIVE);
+        let limit = (high - low).max(0.2 * high.abs()).max(f64::MIN_POSITIVE);
         let ends = groups.iter().flat_map(|g| g.rows.iter().map(|r| r.interval).chain(g.mean.map(|m| m.1)));
         let (mut a, mut b) = (low, high);
         for [l, h] in ends.filter(|i| i.iter().all(|x| x.is_finite())) {
-            (a, b) = (a.min(l.max(low - reach)), b.max(h.min(high + reach)));
+            (a, b) = (a.min(l.max(low - limit)), b.max(h.min(high + limit)));
         }
-        let margin = 0.04 * (b - a).max(0.1 * reach);
+        let margin = 0.04 * (b - a).max(0.1 * limit);
         Some(Self { low: a - margin, high: b + margin })
     }
 
     fn at(&self, x: f64) -> f64 {
         let share = (x - self.low) / (self.high - self.low);
         LEFT + WIDTH * if share.is_nan() { 0.5 } else { share.clamp(0.0, 1.0) }
+    }
+
+    /// Height of a diamond, as a share, where the frame cuts it on the way from its middle to an end; 0: it does not.
+    fn cut(&self, middle: f64, end: f64) -> f64 {
+        let rim = end.clamp(self.low, self.high);
+        let share = 1.0 - (rim - middle) / (end - middle);
+        if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 }
+    }
+
+    /// Heads of arrows where an interval goes on outside the frame.
+    fn goes_on(&self, out: &mut String, y: f64, [low, high]: [f64; 2], colour: &str) {
+        let ends = [(low < self.low, LEFT, 6.0), (high > self.high, LEFT + WIDTH, -6.0)];
+        for (_, x, back) in ends.into_iter().filter(|e| e.0) {
+            let to = x + back;
+            let _ = writeln!(
+                out,
+                "<path d=\"M{x:.1} {y:.1}L{to:.1} {:.1}L{to:.1} {:.1}Z\" fill=\"{colour}\"/>",
+                y - 4.0,
+                y + 4.0
+            );
+        }
     }
 
     fn draw(&self, out: &mut String, y: f64, axis: &str) {
@@ -189,5 +219,17 @@ mod tests {
         assert!(svg.contains("a &lt; b") && !svg.contains("NaN\""), "{svg}");
         assert_eq!(svg.matches("H").count(), 4, "three intervals and the axis");
         assert!(forest("Gc", &[]).is_empty());
+        // Both ends of the wild interval go on outside.
+        assert_eq!(svg.matches("Z\" fill=\"#0072B2\"").count(), 2, "{svg}");
+    }
+
+    #[test]
+    fn a_diamond_is_cut_where_the_frame_ends_and_whole_inside() {
+        let scale = Scale { low: 0.0, high: 1.0 };
+        assert_eq!((scale.cut(0.5, 0.9), scale.cut(0.5, 0.1)), (0.0, 0.0));
+        // Half of the way lies outside: half the height is left.
+        assert!((scale.cut(0.5, 1.5) - 0.5).abs() < 1e-12 && (scale.cut(0.5, -0.5) - 0.5).abs() < 1e-12);
+        assert_eq!((scale.cut(0.5, f64::NAN), scale.cut(0.5, 0.5)), (0.0, 0.0));
+        assert_eq!(scale.cut(0.5, f64::INFINITY), 1.0);
     }
 }

@@ -142,7 +142,8 @@ function testChart(figure) {
   const measured = test.f.length > 0, main = figure.dataset.chart === "main";
   const kinds = [...new Set(test.segments.map(s => kindOf(s[0])))];
   const model = () => page.rungs[state.rung].force[test.name] || [];
-  const misfit = () => test.f.map((f, i) => f - model()[i]);
+  const moved = () => linearForce(test.name);
+  const misfit = () => { const y = moved() ?? model(); return test.f.map((f, i) => f - y[i]); };
   const segment = i => { const s = test.segments.find(s => s[1] <= i && i < s[2]); return s ? s[0] : ""; };
   const along = () => against(test)[1];
   const view = { reset() { this.x = span([along()]); this.y = {}; } };
@@ -176,7 +177,7 @@ function testChart(figure) {
       scales: { x: { time: false, min: view.x[0], max: view.x[1], range: (u, a, b) => [a, b] }, y: { auto: false, min: y[0], max: y[1], range: (u, a, b) => [a, b] } },
       axes: [xLabel ? axis(xLabel, { size: 30, space: 58 }) : axis("", { size: 6, labelSize: 0, values: () => [], label: null }), left(name, height < 180 ? 24 : 34)],
       cursor: { ...z.cursor, dataIdx: u => { if (!busy || u.at == null) u.at = nearest(u, xs, columns); return u.at; }, points: { size: 8, fill: css("--ink"), stroke: css("--paper") } },
-      series: [{}, ...series.map(s => ({ stroke: s.colour, fill: s.dots ? s.colour : undefined, width: s.dots ? 0 : 2, points: { show: false }, spanGaps: true,
+      series: [{}, ...series.map(s => ({ stroke: s.colour, dash: s.dash, fill: s.dots ? s.colour : undefined, width: s.dots ? 0 : 2, points: { show: false }, spanGaps: true,
         paths: u => { if (s.hidden) return null; return s.dots ? { fill: dots(u, xs, s.data, 0, xs.length, 2 * devicePixelRatio), stroke: null } : { stroke: line(u, xs, s.data), fill: null }; } }))],
       hooks: { drawClear: [u => inside(u, ctx => hooks.under && hooks.under(u, ctx, xs))], draw: [u => inside(u, ctx => hooks.over && hooks.over(u, ctx, xs))],
         setSelect: z.hooks.setSelect, setCursor: [follow(name)] },
@@ -207,14 +208,15 @@ function testChart(figure) {
         for (const [name, from, to] of test.segments) { ctx.fillStyle = colour(kinds.indexOf(kindOf(name))); ctx.fill(dots(u, xs, r, from, to, 2 * devicePixelRatio)); }
       },
     };
-    const force = (height, xLabel) => part("force (N)", height, [{ data: test.f, colour: css("--record"), dots: true }, { data: m, colour: css("--model") }], view.y["force (N)"] || span([test.f, ...page.rungs.map(k => k.force[test.name] || [])]), noise, xLabel);
+    const linear = moved(), dashed = linear ? [{ data: linear, colour: css("--second"), dash: [6, 4] }] : [];
+    const force = (height, xLabel) => part("force (N)", height, [{ data: test.f, colour: css("--record"), dots: true }, { data: m, colour: css("--model") }, ...dashed], view.y["force (N)"] || span([test.f, ...page.rungs.map(k => k.force[test.name] || [])]), noise, xLabel);
     plots = main ? [force(narrow ? 200 : 230, xLabel)] : [
       force(narrow ? 220 : 270, ""),
       part("misfit (N)", narrow ? 150 : 160, [{ data: r, colour: css("--ink"), hidden: true }], view.y["misfit (N)"] || [-most, most], strip, xLabel),
     ];
   }
   const redraw = () => {
-    legend.replaceChildren(...(measured ? [chip(css("--record"), "record", true), chip(css("--model"), "model"), chip(css("--band"), "± 2 sd", true), ...(main ? [] : kinds.map((k, i) => chip(colour(i), k, true)))] : []));
+    legend.replaceChildren(...(measured ? [chip(css("--record"), "record", true), chip(css("--model"), "model"), ...(moved() ? [chip(css("--second"), "straight-line estimate")] : []), chip(css("--band"), "± 2 sd", true), ...(main ? [] : kinds.map((k, i) => chip(colour(i), k, true)))] : []));
     tell(null); draw();
   };
   redraw();

@@ -1,6 +1,6 @@
 //! The numbers behind the charts, as compact JSON: six significant digits, one array per column.
 
-use super::view::View;
+use super::view::{Rung, View};
 use crate::Curve;
 use crate::answer::{IdentifyAnswer, ParameterAnswer};
 use crate::figures::shown_parameters;
@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 /// All charts of a page.
 pub fn of(v: &View) -> Value {
     let tests: Vec<Value> = v.current().map_or_else(Vec::new, |r| r.curves.iter().map(test).collect());
-    let rungs: Vec<Value> = v.rungs.iter().map(|r| rung(&r.name(), &r.answer, &r.curves)).collect();
+    let rungs: Vec<Value> = v.rungs.iter().map(rung).collect();
     json!({
         "tests": tests, "rungs": rungs, "shown": v.shown,
         "convergence": v.current().map_or(Value::Null, |r| convergence(&r.answer)),
@@ -60,7 +60,8 @@ fn test(c: &Curve) -> Value {
 }
 
 /// What one rung's model says.
-fn rung(name: &str, a: &IdentifyAnswer, curves: &[Curve]) -> Value {
+fn rung(r: &Rung) -> Value {
+    let (a, curves) = (&r.answer, &r.curves);
     let force: Map<String, Value> = curves.iter().map(|c| (c.test.clone(), numbers(&c.model))).collect();
     let channels: Map<String, Value> = curves
         .iter()
@@ -71,7 +72,8 @@ fn rung(name: &str, a: &IdentifyAnswer, curves: &[Curve]) -> Value {
         })
         .collect();
     let path: Vec<Value> = a.parameters.iter().filter_map(place).collect();
-    json!({ "name": name, "force": force, "channels": channels, "path": path })
+    let jacobian = r.response.json(round);
+    json!({ "name": r.name(), "run": r.run, "force": force, "channels": channels, "path": path, "jacobian": jacobian })
 }
 
 /// `[gc or sigma_c, area, value, low, high, published, identifiable]`.

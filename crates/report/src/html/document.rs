@@ -14,7 +14,7 @@ use std::fmt::Write;
 const PLOT_CSS: &str = include_str!("../../assets/uPlot.min.css");
 const STYLE: &str = include_str!("style.css");
 const PLOT: &str = include_str!("../../assets/uPlot.iife.min.js");
-const SCRIPT: &str = concat!(include_str!("charts.js"), include_str!("page.js"));
+const SCRIPT: &str = concat!(include_str!("charts.js"), include_str!("sliders.js"), include_str!("page.js"));
 
 /// Stands in the head of every page.
 const GENERATOR: &str = "<meta name=\"generator\" content=\"fct\">";

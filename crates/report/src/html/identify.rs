@@ -1,7 +1,7 @@
 //! The page of an identification, a diagnosis or a search.
 
 use super::view::{Rung, View};
-use super::{answer, chart, escape, first, ladder, per_rung, strip, tables};
+use super::{answer, chart, escape, first, ladder, per_rung, sliders, strip, tables};
 use crate::published::area;
 
 /// The first screen, then everything it rests on.
@@ -13,6 +13,7 @@ pub fn body(v: &View) -> String {
         answer::section(v),
         ladder::staircase(v),
         curves(v),
+        sliders::section(v),
         ladder::effects(v),
         ladder::residuals(v),
         path(v),

@@ -12,6 +12,7 @@ mod identify;
 mod ladder;
 mod place;
 mod simulate;
+mod sliders;
 mod study;
 mod tables;
 mod view;

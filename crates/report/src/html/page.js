@@ -10,6 +10,7 @@ function choose(rung) {
   document.querySelectorAll("[data-rung]").forEach(b => b.setAttribute("aria-pressed", b.dataset.rung === String(rung)));
   document.querySelectorAll("[data-of]").forEach(d => { d.hidden = d.dataset.of !== String(rung); });
   document.querySelectorAll("[data-shown]").forEach(s => { s.textContent = page.rungs[rung].name; });
+  tellMoved();
   redraw();
 }
 document.querySelectorAll("[data-rung]").forEach(b => b.addEventListener("click", () => choose(Number(b.dataset.rung))));
@@ -31,3 +32,4 @@ const observer = new ResizeObserver(entries => entries.forEach(e => {
   if (before !== undefined && Math.abs(before - now) > 1) charts.find(c => c.figure === e.target)?.size();
 }));
 charts.forEach(c => observer.observe(c.figure));
+beginSliders();

@@ -3,6 +3,9 @@
 use super::{Cell, document, escape, picture, table};
 use serde_json::json;
 
+/// Characters of a cell that may be broken into lines.
+const SENTENCE: usize = 60;
+
 /// One section of the page.
 #[derive(Clone, Debug, Default)]
 pub struct StudySection {
@@ -81,7 +84,12 @@ fn section(s: &StudySection) -> String {
 
 fn one(t: &StudyTable) -> String {
     let cell = |(i, text): (usize, &String)| {
-        if t.numbers.contains(&i) { Cell::number(text.as_str()) } else { Cell::left(text.as_str()) }
+        match t.numbers.contains(&i) {
+            true => Cell::number(text.as_str()),
+            // A reason is read to its end, not scrolled to.
+            false if text.chars().count() > SENTENCE => Cell { class: "wrap", ..Cell::left(text.as_str()) },
+            false => Cell::left(text.as_str()),
+        }
     };
     table(&t.header, t.rows.iter().map(|row| row.iter().enumerate().map(cell).collect()))
 }

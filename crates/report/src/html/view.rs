@@ -1,7 +1,9 @@
 //! What a page shows, gathered from run directories: the rungs of a ladder, the diagnosis, pictures.
 
+use super::sliders::Response;
 use crate::answer::IdentifyAnswer;
 use crate::runs::StoredRun;
+use crate::shell::quoted_path;
 use crate::{Curve, ReportError};
 use serde_json::Value;
 use std::path::Path;
@@ -17,6 +19,10 @@ pub struct Rung {
     pub curves: Vec<Curve>,
     /// Pictures of the strip, by test; empty where none were stored.
     pub pictures: Vec<(String, String)>,
+    /// Derivatives of the forces; empty where none were stored.
+    pub response: Response,
+    /// Its run directory, as a shell takes it.
+    pub run: String,
     /// Rms, χ² and BIC as the search judged them; `None` outside a search.
     pub judged: Option<Value>,
 }
@@ -42,7 +48,8 @@ impl Rung {
         let Some(answer) = run.identify() else { return Ok(None) };
         let at = run.in_folder(files);
         let pictures = pictures(&at, answer.tests.keys())?;
-        Ok(Some(Self { pictures, curves: at.curves()?, answer, judged: None }))
+        let (response, run) = (Response::of(&at)?, quoted_path(&run.path));
+        Ok(Some(Self { pictures, curves: at.curves()?, response, run, answer, judged: None }))
     }
 
     /// The model in words.
@@ -193,7 +200,8 @@ fn searched(run: &StoredRun, files: &Path) -> Result<Vec<Rung>, ReportError> {
         if place.is_dir()
             && let Some(rung) = Rung::of(&StoredRun::read(&place)?, &place)?
         {
-            rungs.push(Rung { judged: Some(row), ..rung });
+            let own = quoted_path(&run.path.join("rungs").join(k.to_string()));
+            rungs.push(Rung { judged: Some(row), run: own, ..rung });
         }
     }
     Ok(rungs)

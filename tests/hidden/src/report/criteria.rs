@@ -111,7 +111,7 @@ fn rows(outcomes: &[Outcome]) -> Vec<Row> {
         count_of("the same, explained by a wrong name", wrong, outside.len()),
         count_of("the same, given no name at all", none_named, outside.len()),
         at_least("visible pairs, both found", both, pairs.len(), 0.7),
-        median_at_most("predicted against actual fall of χ²", &falls, 0.25, ""),
+        median_at_most("predicted against actual Δχ²", &falls, 0.25, ""),
         median_at_most("error of Gc after adding the effect", &after, 0.03, &was),
         at_least("effects visible by the tangent's estimate, first", first, tangent.len(), 0.9),
         at_least("the same, among the first three", three, tangent.len(), 0.98),

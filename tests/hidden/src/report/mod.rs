@@ -24,7 +24,27 @@ pub fn page(outcomes: &[Outcome], planned: usize) -> String {
     text.push_str(&tables::section(outcomes));
     text.push_str(&misses::section(outcomes));
     text.push_str(BESIDES);
-    text
+    text.lines().flat_map(folded).map(|line| line + "\n").collect()
+}
+
+/// Longest line outside of tables, bytes.
+const WIDTH: usize = 118;
+
+/// A line of prose or of a list as lines of at most [`WIDTH`] bytes; a row of a table as it is.
+fn folded(line: &str) -> Vec<String> {
+    let indent = if line.starts_with("- ") { "  " } else { "" };
+    if line.len() <= WIDTH || line.starts_with('|') {
+        return vec![line.to_owned()];
+    }
+    let mut lines: Vec<String> = Vec::new();
+    for word in line.split(' ') {
+        match lines.last_mut() {
+            Some(last) if last.len() + 1 + word.len() <= WIDTH => *last += &format!(" {word}"),
+            Some(_) => lines.push(format!("{indent}{word}")),
+            None => lines.push(word.to_owned()),
+        }
+    }
+    lines
 }
 
 /// How much of the study these numbers are.

@@ -21,9 +21,9 @@ fn by_effect(outcomes: &[Outcome]) -> String {
     }
     let mut text = String::from(
         "## By effect\n\nVisible cases unless said otherwise. *abstained*: no name. *invisible, wrong*: cases that the \
-         record cannot see, and in which something else was named. Falls of χ² and errors of Gc are medians.\n\n\
+         record cannot see, and in which something else was named. Δχ² and errors of Gc are medians.\n\n\
          | effect | cases | visible | right | with more | abstained | wrong | invisible, wrong | predicted / actual \
-         fall | Gc error before | after |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
+         Δχ² | Gc error before | after |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for (effect, all) in groups {
         let seen: Vec<&&Outcome> = all.iter().filter(|o| o.visible()).collect();

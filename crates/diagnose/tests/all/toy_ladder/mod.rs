@@ -2,7 +2,9 @@
 #![allow(missing_docs)]
 
 use diagnose::atlas::structure_p;
-use diagnose::{Amplitude, Candidate, Hints, Ladder, Rung, Screen, Shape, Side, holdout, screen, segments};
+use diagnose::{
+    Amplitude, Candidate, Hints, Ladder, Rung, Screen, ShapeColumns, Side, holdout, screen, segments,
+};
 use inverse::*;
 use nalgebra::{DMatrix, DVector};
 use params::Transform;
@@ -216,7 +218,7 @@ impl Ladder for ToyLadder {
                     }],
                     shapes: shapes
                         .iter()
-                        .map(|&tau| Shape {
+                        .map(|&tau| ShapeColumns {
                             parameters: if effect == "memory" { vec![("tau".into(), tau)] } else { vec![] },
                             columns: DMatrix::from_columns(&[self.protocol.column(effect, tau)]),
                         })

@@ -1,8 +1,8 @@
 //! The branches: their history, stress, tangent and energy.
 
-use super::super::by_hand::{add, add_constant, add_deviatoric, inverse_transposed};
 use super::super::isochoric;
 use super::super::symmetric::{Frame, Sym, dot, pushed};
+use super::super::tangent::{add, add_constant, add_deviatoric, inverse_transposed};
 use super::times::Times;
 use crate::decorator::{Call, Decoration, Tangent};
 use crate::numeric::{add_scaled, decay, mean_decay, mean_rise};
@@ -212,7 +212,7 @@ impl Decoration<9> for Maxwell {
 
     /// ΣH is linear in the driving stress: what the step starts from stays constant, and the share
     /// that the step adds follows the inner law's own tangent.
-    fn hand_tangent(
+    fn analytic_tangent(
         &self,
         call: &Call<'_, f64, 9>,
         inner_new: &mut [f64],

@@ -204,13 +204,15 @@ fn mean_in_words(model: &str, g: &::campaign::GroupSummary) -> String {
     let interval =
         p.interval_95.map_or(String::new(), |[a, b]| format!(" (95 %: {} – {})", number(a), number(b)));
     let group = if g.group.is_empty() { "all" } else { g.group.as_str() };
+    let of = match p.between() {
+        None => "of one specimen".to_owned(),
+        Some((sd, _)) => format!("of {} specimens, sd between them {}", p.specimens, number(sd)),
+    };
     format!(
-        "  {model}, {group}: {} {} {}{interval} of {} specimens, sd between them {}, own {}\n",
+        "  {model}, {group}: {} {} {}{interval} {of}, own {}\n",
         g.quantity.path,
         number(p.mean),
         g.quantity.unit,
-        p.specimens,
-        number(p.between_sd),
         number(p.within_sd)
     )
 }

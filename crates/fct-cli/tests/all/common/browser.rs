@@ -28,6 +28,9 @@ const FLAGS: [&str; 11] = [
     "about:blank",
 ];
 
+/// Least time between two pictures of a film while something is waited for.
+const FILM: Duration = Duration::from_millis(300);
+
 /// The browser of this machine: `$CHROMIUM`, or one of the usual names on the path.
 pub fn found() -> Option<PathBuf> {
     let named = std::env::var_os("CHROMIUM").map(PathBuf::from);
@@ -45,7 +48,10 @@ pub struct Page {
     last: u64,
     /// What the page did by itself, in order.
     pub events: Vec<Value>,
-    _profile: TempDir,
+    profile: TempDir,
+    /// Pictures of the film so far.
+    frames: u32,
+    filmed: Instant,
 }
 
 impl Page {
@@ -72,7 +78,16 @@ impl Page {
         if let MaybeTlsStream::Plain(s) = socket.get_ref() {
             s.set_read_timeout(Some(Duration::from_secs(30)))?;
         }
-        let mut page = Self { child, socket, session: None, last: 0, events: Vec::new(), _profile: profile };
+        let mut page = Self {
+            child,
+            socket,
+            session: None,
+            last: 0,
+            events: Vec::new(),
+            profile,
+            frames: 0,
+            filmed: Instant::now(),
+        };
         let target = page.call("Target.createTarget", json!({ "url": "about:blank" }))?;
         let attach = json!({ "targetId": target["targetId"], "flatten": true });
         let session = page.call("Target.attachToTarget", attach)?;
@@ -155,6 +170,9 @@ impl Page {
     pub fn until(&mut self, expression: &str, patience: Duration) -> Outcome<()> {
         let begun = Instant::now();
         while self.ask(&format!("Boolean({expression})"))? != true {
+            if self.filmed.elapsed() > FILM {
+                self.film(1)?;
+            }
             if begun.elapsed() > patience {
                 let seen = self.text("body")?;
                 return Err(format!("not within {patience:?}: {expression}\n{seen}").into());
@@ -207,6 +225,24 @@ impl Page {
         self.settle()
     }
 
+    /// Drags the mouse over an element, from a place in it to another.
+    pub fn drag(&mut self, selector: &str, from: [f64; 2], to: [f64; 2]) -> Outcome<()> {
+        let begin = self.place(selector, from)?;
+        let end = self.place(selector, to)?;
+        let mut event = |kind: &str, [x, y]: [f64; 2]| {
+            let buttons = u8::from(kind != "mouseReleased");
+            let event = json!({ "type": kind, "x": x, "y": y, "button": "left", "buttons": buttons, "clickCount": 1 });
+            self.call("Input.dispatchMouseEvent", event)
+        };
+        event("mousePressed", begin)?;
+        let between = [0.5 * (begin[0] + end[0]), 0.5 * (begin[1] + end[1])];
+        for at in [between, end] {
+            event("mouseMoved", at)?;
+        }
+        event("mouseReleased", end)?;
+        self.settle()
+    }
+
     /// Clicks an element in its middle.
     pub fn click(&mut self, selector: &str) -> Outcome<()> {
         let [x, y] = self.place(selector, [0.5, 0.5])?;
@@ -227,13 +263,51 @@ impl Page {
     /// A picture of the whole page or of what is seen, into `$FCT_SCREENSHOTS`, if that is set.
     pub fn picture(&mut self, name: &str, whole: bool) -> Outcome<()> {
         let Some(folder) = std::env::var_os("FCT_SCREENSHOTS") else { return Ok(()) };
+        if whole {
+            // What stays at the top of the window would lie over the middle of the page.
+            self.ask("scrollTo(0, 0)")?;
+            self.settle()?;
+        }
         let answer = self.call("Page.captureScreenshot", json!({ "captureBeyondViewport": whole }))?;
         let file = Path::new(&folder).join(format!("{name}.png"));
-        let decoded = base64::Engine::decode(
-            &base64::engine::general_purpose::STANDARD,
-            answer["data"].as_str().unwrap_or_default(),
-        )?;
-        Ok(std::fs::write(file, decoded)?)
+        Ok(std::fs::write(file, decoded(&answer)?)?)
+    }
+
+    /// A picture of what is seen for the film, shown for so many tenths of a second; only where `$FCT_FILM` names a folder.
+    pub fn film(&mut self, tenths: u32) -> Outcome<()> {
+        let Some(folder) = std::env::var_os("FCT_FILM") else { return Ok(()) };
+        let answer = self.call("Page.captureScreenshot", json!({}))?;
+        self.frames += 1;
+        self.filmed = Instant::now();
+        let file = Path::new(&folder).join(format!("{:04}-{tenths}.png", self.frames));
+        Ok(std::fs::write(file, decoded(&answer)?)?)
+    }
+
+    /// Process ids of this browser's renderers, as Linux tells them.
+    pub fn renderers(&self) -> Vec<u32> {
+        let profile = self.profile.path().display().to_string();
+        let ids = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+        let ids = ids.filter_map(|e| e.file_name().to_str()?.parse::<u32>().ok());
+        let family: Vec<(u32, String)> = ids
+            .filter_map(|id| Some((id, std::fs::read_to_string(format!("/proc/{id}/cmdline")).ok()?)))
+            .filter(|(_, line)| line.contains("--type=renderer"))
+            .collect();
+        // A renderer does not name the profile; its parents do.
+        let ours = |id: u32| {
+            let mut at = id;
+            for _ in 0..4 {
+                let stat = std::fs::read_to_string(format!("/proc/{at}/stat")).unwrap_or_default();
+                let parent = stat.rsplit(')').next().and_then(|r| r.split_whitespace().nth(1)?.parse().ok());
+                let Some(parent) = parent else { return false };
+                at = parent;
+                let line = std::fs::read_to_string(format!("/proc/{at}/cmdline")).unwrap_or_default();
+                if line.contains(&profile) {
+                    return true;
+                }
+            }
+            false
+        };
+        family.into_iter().map(|f| f.0).filter(|id| ours(*id)).collect()
     }
 
     /// What went wrong in the page: exceptions, errors on the console.
@@ -257,6 +331,11 @@ impl Page {
             .map(str::to_owned)
             .collect()
     }
+}
+
+fn decoded(answer: &Value) -> Outcome<Vec<u8>> {
+    let text = answer["data"].as_str().unwrap_or_default();
+    Ok(base64::Engine::decode(&base64::engine::general_purpose::STANDARD, text)?)
 }
 
 impl Drop for Page {

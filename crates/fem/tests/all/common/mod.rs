@@ -3,8 +3,8 @@
 
 use fem::interface::Integration;
 use fem::{
-    Blend, Body, Ledger, MarchOptions, NewtonOptions, NoObserver, Path, Prescribed, Problem, Run, StepRecord,
-    System, Target, march,
+    Blend, Body, Ledger, NewtonOptions, NoObserver, Path, Prescribed, Problem, Run, StepRecord,
+    SteppingOptions, System, Target, run_steps,
 };
 use mesh::{Mesh, Sizing, Strip};
 use std::sync::Arc;
@@ -152,17 +152,17 @@ pub fn problem(strip: &Strip, ends: Ends, areas: usize) -> Problem {
 }
 
 /// Ledger on, tight Newton tolerance.
-pub fn tight() -> MarchOptions {
-    MarchOptions {
+pub fn tight() -> SteppingOptions {
+    SteppingOptions {
         ledger: true,
         newton: NewtonOptions { tolerance: 1e-11, ..NewtonOptions::default() },
-        ..MarchOptions::default()
+        ..SteppingOptions::default()
     }
 }
 
 /// Ledger on, shipped tolerances.
-pub fn shipped() -> MarchOptions {
-    MarchOptions { ledger: true, ..MarchOptions::default() }
+pub fn shipped() -> SteppingOptions {
+    SteppingOptions { ledger: true, ..SteppingOptions::default() }
 }
 
 /// Targets one second apart, the start first.
@@ -190,13 +190,13 @@ pub fn keeps_its_pace(run: &Run, pace: f64) {
 }
 
 /// Runs a plan without sensitivities.
-pub fn run(problem: &Problem, theta: &[f64], targets: &[Target], options: MarchOptions) -> Run {
+pub fn run(problem: &Problem, theta: &[f64], targets: &[Target], options: SteppingOptions) -> Run {
     let mut system = System::new(problem).expect("system");
-    march(problem, theta, &mut system, None, targets, &mut [], &NoObserver, options, None, &|| false)
+    run_steps(problem, theta, &mut system, None, targets, &mut [], &NoObserver, options, None, &|| false)
 }
 
 /// Runs, and insists on reaching the end.
-pub fn complete(problem: &Problem, theta: &[f64], targets: &[Target], options: MarchOptions) -> Run {
+pub fn complete(problem: &Problem, theta: &[f64], targets: &[Target], options: SteppingOptions) -> Run {
     let run = run(problem, theta, targets, options);
     assert!(run.failure.is_none(), "{:?}", run.failure);
     run

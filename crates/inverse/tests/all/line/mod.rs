@@ -15,8 +15,8 @@ pub fn design(n: usize) -> DMatrix<f64> {
     DMatrix::from_fn(n, 2, |i, k| line(i, &[0.0; 2]).1[k])
 }
 
-pub fn free(reach: f64) -> Vec<Free> {
-    let one = |name: &str| Free::new(name, (-reach, reach), Transform::Identity, 0.1);
+pub fn free(limit: f64) -> Vec<Free> {
+    let one = |name: &str| Free::new(name, (-limit, limit), Transform::Identity, 0.1);
     vec![one("a"), one("b")]
 }
 

@@ -106,7 +106,7 @@ impl<L: InvariantLaw> Describe<9> for Invariants<L> {
         Energy { stored: self.respond(ctx, gradient, params, &[], &mut []).energy, dissipated: 0.0 }
     }
 
-    fn hand_tangent(
+    fn analytic_tangent(
         &self,
         _ctx: &Context,
         gradient: &[f64; 9],

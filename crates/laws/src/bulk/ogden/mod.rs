@@ -96,7 +96,7 @@ impl Describe<9> for Principal {
         Energy { stored: self.respond(ctx, gradient, params, &[], &mut []).energy, dissipated: 0.0 }
     }
 
-    fn hand_tangent(
+    fn analytic_tangent(
         &self,
         _ctx: &Context,
         gradient: &[f64; 9],

@@ -1,7 +1,7 @@
 //! Accepting a step: derivatives, energies, history, the record of it.
 
 use super::visits::{Recent, Visit};
-use super::{Kept, March, StepRecord};
+use super::{Kept, StepRecord, Stepping};
 use crate::energy::{self, Ledger};
 use crate::equilibrium::Border;
 use crate::error::FemError;
@@ -15,14 +15,14 @@ use std::sync::Arc;
 pub(crate) struct Along {
     /// Tangent of the control that held it ([`Stage::arc`]).
     pub held: [f64; 2],
-    /// Change of the actuator displacement at its begin and at its end, mm over the whole step.
+    /// Change of the actuator displacement at its start and at its end, mm over the whole step.
     pub rates: [f64; 2],
 }
 
 /// Accepts a converged step: sensitivities, ledger, history, record.
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn fresh_commit(
-    m: &mut March,
+    m: &mut Stepping,
     fresh: State,
     time: f64,
     dt: f64,
@@ -89,7 +89,7 @@ fn history_moved(a: &State, b: &State) -> bool {
 }
 
 fn differentiate(
-    m: &mut March,
+    m: &mut Stepping,
     fresh: &State,
     ctx: Context,
     arc: Option<[f64; 2]>,
@@ -137,7 +137,7 @@ fn differentiate(
 }
 
 /// Work of a force over a step, ∫F du, with both as cubics of the arc (Hermite): values, and rates of the
-/// displacement over the step with the slopes dF/du at its begin and end. At an even rate this is the trapezoid with end
+/// displacement over the step with the slopes dF/du at its start and end. At an even rate this is the trapezoid with end
 /// slopes; a step may also turn back in u.
 fn work(force: [f64; 2], u: [f64; 2], rate: [f64; 2], slope: [f64; 2]) -> f64 {
     let [f0, f1] = force;
@@ -148,7 +148,7 @@ fn work(force: [f64; 2], u: [f64; 2], rate: [f64; 2], slope: [f64; 2]) -> f64 {
 }
 
 /// Ledger after a step.
-fn add_up(m: &mut March, fresh: &State, ctx: Context, slope: f64, along: Option<Along>) -> Ledger {
+fn add_up(m: &mut Stepping, fresh: &State, ctx: Context, slope: f64, along: Option<Along>) -> Ledger {
     let (bulk, path) = energy::internal(m.problem, &m.local, m.system, &ctx, &m.state.history, fresh);
     let (before, mut ledger) = match m.run.steps.last() {
         Some(s) => ((s.actuator, s.force, s.slope, s.grip), s.ledger),

@@ -6,7 +6,7 @@ use crate::sensitivity::StepDerivatives;
 use crate::state::{Guess, State};
 use std::sync::Arc;
 
-/// A jump at a standing actuator.
+/// A jump at a held actuator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jump {
     /// Actuator displacement, mm.
@@ -40,7 +40,7 @@ pub struct StepRecord {
     pub slope: f64,
     /// Newton iterations.
     pub iterations: usize,
-    /// Negative pivots of the tangent at standing grip: 0 where stable.
+    /// Negative pivots of the tangent at a held grip: 0 where stable.
     pub negative_pivots: usize,
     /// Observer's outputs.
     pub extra: Vec<f64>,

@@ -52,8 +52,8 @@ fn white_noise_is_the_residual_of_a_polynomial_in_each_window() {
     assert_eq!(freedom, 28.0);
     close(e.sd, sd, 1e-9);
     close(e.relative_error, (0.5f64 / 28.0).sqrt(), 1e-12);
-    assert_eq!((e.ar1, e.ar1_raw, e.cautious_ar1, e.points_used), (0.0, 0.0, 0.0, 40));
-    close(e.cautious_sd, sd, 1e-9);
+    assert_eq!((e.ar1, e.ar1_raw, e.conservative_ar1, e.points_used), (0.0, 0.0, 0.0, 40));
+    close(e.conservative_sd, sd, 1e-9);
     // A break after eight: a window of degree three, the rest in two. After seven: those are lost.
     let e = estimate(&clock(40), &y, &[8]).unwrap();
     close(e.sd, restricted(&y, &[(0, 8, 3), (8, 16, 5), (24, 16, 5)], 0.0).0, 1e-9);
@@ -92,15 +92,15 @@ fn a_correlation_maximises_the_restricted_likelihood_of_long_windows() {
     close(e.sd, sd, 1e-6);
     let curvature = (2.0 * value(e.ar1) - value(e.ar1 - 0.03) - value(e.ar1 + 0.03)) / 9e-4;
     close(e.ar1_error, curvature.powf(-0.5), 1e-4);
-    close(e.cautious_ar1, (e.ar1 + 1.5 * e.ar1_error).min(0.9), 1e-12);
-    close(e.cautious_sd, restricted(&y, &windows, e.cautious_ar1).0, 1e-6);
+    close(e.conservative_ar1, (e.ar1 + 1.5 * e.ar1_error).min(0.9), 1e-12);
+    close(e.conservative_sd, restricted(&y, &windows, e.conservative_ar1).0, 1e-6);
     close(e.relative_error, (0.5 / freedom).sqrt() * (1.0 + e.ar1) / (1.0 - e.ar1), 1e-9);
     close(e.freedom(), freedom * ((1.0 - e.ar1) / (1.0 + e.ar1)).powi(2), 1e-9);
 }
 
-/// What is not significant is not used, but a sceptic whitens with it where it is positive.
+/// What is not significant is not used, but conservative noise whitens with it where it is positive.
 #[test]
-fn a_small_correlation_is_for_the_cautious_only() {
+fn a_small_correlation_is_for_conservative_noise_only() {
     let (mut up, mut down) = (0, 0);
     for seed in 0..8 {
         let y = curve(120, 0.03, 0.0, 40 + seed);
@@ -112,9 +112,9 @@ fn a_small_correlation_is_for_the_cautious_only() {
         if e.points_used < 120 || gain > needed {
             continue;
         }
-        assert_eq!((e.ar1, e.cautious_ar1), (0.0, e.ar1_raw.max(0.0)));
+        assert_eq!((e.ar1, e.conservative_ar1), (0.0, e.ar1_raw.max(0.0)));
         close(e.sd, restricted(&y, &windows, 0.0).0, 1e-9);
-        close(e.cautious_sd, restricted(&y, &windows, e.cautious_ar1).0, 1e-6);
+        close(e.conservative_sd, restricted(&y, &windows, e.conservative_ar1).0, 1e-6);
         if e.ar1_raw > 0.0 { up += 1 } else { down += 1 }
     }
     assert!(up > 0 && down > 0, "{up} {down}: both kinds must occur");

@@ -1,4 +1,4 @@
-//! Tangents by hand of what decorators do with the stress inside: the hot path of their finite
+//! Analytic tangents of what decorators do with the stress inside: the hot path of their finite
 //! elements. Derived in docs/theory.md; held equal to the jets by tests/all/tangents.rs.
 
 use super::symmetric::{Sym, dot, pushed};

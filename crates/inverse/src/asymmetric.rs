@@ -1,10 +1,10 @@
-//! Intervals whose standard error changes along their arms.
+//! Asymmetric intervals: the standard error changes along them.
 //!
 //! A true value belongs into a 95 % interval where its *own* standard error allows the estimate that was found (Neyman
-//! 1937). One standard error for both arms, that of the estimate, is right where it is the same everywhere: a tear whose
+//! 1937). One standard error for both sides, that of the estimate, is right where it is the same everywhere: a tear whose
 //! process zone shrinks below the elements knows its strength far less on one side than on the other. So the standard
 //! errors are asked once more at both ends of the least known combinations of parameters ([`Uncertainty::probes`]), and
-//! each arm takes their mean along it ([`Uncertainty::with_arms`]). No arm gets shorter for it.
+//! each side takes their mean along it ([`Uncertainty::with_asymmetric_intervals`]). No side gets shorter for it.
 
 use crate::Uncertainty;
 use crate::half_width::Z95;
@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 /// no end to go to.
 const FARTHEST_SD: f64 = 0.5;
 
-/// An arm is at most so much longer, as a share of its length: the change is linear in two points.
+/// A side is at most so much longer, as a share of its length: the change is linear in two points.
 const LONGEST: f64 = 1.0;
 
 /// A place where the standard errors are asked again.
@@ -23,7 +23,7 @@ pub struct Probe {
     /// Values there, one per free parameter, physical units, within the bounds.
     pub theta: Vec<f64>,
     /// Correlation of each parameter with the combination, times the side.
-    lean: Vec<f64>,
+    loading: Vec<f64>,
 }
 
 impl Uncertainty {
@@ -51,15 +51,15 @@ impl Uncertainty {
                     (0..known.len()).map(|a| scaled(i, known[a]) * eigen.eigenvectors[(a, axis)]).sum();
                 sum / sd * self.scales[i]
             });
-            let reach = Z95 * (FARTHEST_SD / sd).min(1.0);
-            out.extend([1.0, -1.0].map(|side| self.probe(&along, side, reach)));
+            let length = Z95 * (FARTHEST_SD / sd).min(1.0);
+            out.extend([1.0, -1.0].map(|side| self.probe(&along, side, length)));
         }
         out
     }
 
-    fn probe(&self, along: &DVector<f64>, side: f64, reach: f64) -> Probe {
+    fn probe(&self, along: &DVector<f64>, side: f64, length: f64) -> Probe {
         let moved =
-            |k: usize| self.free[k].backward(self.free[k].forward(self.theta[k]) + side * reach * along[k]);
+            |k: usize| self.free[k].backward(self.free[k].forward(self.theta[k]) + side * length * along[k]);
         let sd = |k: usize| self.covariance_z[(k, k)].max(f64::MIN_POSITIVE).sqrt();
         let all = 0..self.theta.len();
         Probe {
@@ -67,28 +67,28 @@ impl Uncertainty {
                 .clone()
                 .map(|k| if self.estimates[k].at_bound { self.theta[k] } else { moved(k) })
                 .collect(),
-            lean: all.map(|k| side * (along[k] / sd(k)).clamp(-1.0, 1.0)).collect(),
+            loading: all.map(|k| side * (along[k] / sd(k)).clamp(-1.0, 1.0)).collect(),
         }
     }
 
-    /// The same with arms that know how the standard errors change towards the probes: `there` is what the same data say
-    /// with the optimum at each probe, `None` where there is no answer. A parameter takes part as far as it leans to a
+    /// The same with asymmetric intervals, from how the standard errors change towards the probes: `there` is what the same data say
+    /// with the optimum at each probe, `None` where there is no answer. A parameter takes part as far as it loads on a
     /// probe's combination; estimates and standard errors stay. `there` has one answer per probe, in their order and over the
     /// same free parameters; both come from [`Uncertainty::probes`] of this uncertainty.
-    pub fn with_arms(mut self, probes: &[Probe], there: &[Option<Uncertainty>]) -> Self {
+    pub fn with_asymmetric_intervals(mut self, probes: &[Probe], there: &[Option<Uncertainty>]) -> Self {
         for k in 0..self.estimates.len() {
             if self.estimates[k].at_bound {
                 continue;
             }
             let here = self.covariance_z[(k, k)].max(f64::MIN_POSITIVE).sqrt();
-            // Half of each pair's difference is the change towards one end, half of that the mean along the arm.
+            // Half of each pair's difference is the change towards one end, half of that the mean along that side.
             let tilt: f64 = probes
                 .iter()
                 .zip(there)
-                .filter_map(|(p, u)| Some((p.lean[k], u.as_ref()?.covariance_z[(k, k)].sqrt())))
+                .filter_map(|(p, u)| Some((p.loading[k], u.as_ref()?.covariance_z[(k, k)].sqrt())))
                 // At a bound there is no standard error.
                 .filter(|(_, sd)| *sd > 0.0 && sd.is_finite())
-                .map(|(lean, sd)| lean * (sd / here - 1.0))
+                .map(|(loading, sd)| loading * (sd / here - 1.0))
                 .sum();
             let longer = (0.25 * tilt).clamp(-LONGEST, LONGEST);
             let interval = self.estimate(k, [1.0 + (-longer).max(0.0), 1.0 + longer.max(0.0)]).interval_95;

@@ -84,8 +84,8 @@ fn a_later_stage_moves_with_what_an_earlier_one_holds() {
     }
 }
 
-/// One number, p + 0.8 p², to be 1: the first step is 1/(1 + λ). What it lost against its promise, over the
-/// fourth power of its length, is what the next step is weighed with; then the parabola's bend is taken back.
+/// One number, p + 0.8 p², to be 1: the first step is 1/(1 + λ). What it lost against its prediction, over the
+/// fourth power of its length, is what the next step is weighed with; then the parabola's curvature is taken back.
 #[test]
 fn the_second_step_is_worth_most() {
     let toy = Toy(1, |_, p: &[f64]| (p[0] + 0.8 * p[0] * p[0], vec![1.0 + 1.6 * p[0]]));
@@ -96,7 +96,7 @@ fn the_second_step_is_worth_most() {
     let step = 1.0 / (1.0 + lambda);
     let after = (1.0 - step - 0.8 * step * step).powi(2);
     let gain = (1.0 - after) / (1.0 - (lambda * step).powi(2));
-    assert!((0.3..0.5).contains(&gain), "less than was promised: {gain}");
+    assert!((0.3..0.5).contains(&gain), "less than was predicted: {gain}");
     let [start, first, second, ..] = end.history.as_slice() else { panic!("{:?}", end.history) };
     assert!(start.iteration == 0 && first.accepted);
     close(first.damping, lambda);
@@ -108,9 +108,9 @@ fn the_second_step_is_worth_most() {
     let worth = |s: f64| left * left - (left + slope * s).powi(2) - 0.3 * loss * (slope * s).powi(4);
     let straight = (0..10_000).map(|k| -1e-4 * k as f64).max_by(|a, b| worth(*a).total_cmp(&worth(*b)));
     let v = straight.unwrap();
-    let by_hand = v - 0.8 * v * v / (slope * (1.0 + second.damping));
+    let expected = v - 0.8 * v * v / (slope * (1.0 + second.damping));
     let taken = second.theta[0] - step;
-    assert!((taken / by_hand - 1.0).abs() < 0.02, "{taken} against {by_hand}, straight {v}");
+    assert!((taken / expected - 1.0).abs() < 0.02, "{taken} against {expected}, straight {v}");
 }
 
 /// A model that answers with other shapes than it was asked for.
@@ -125,7 +125,7 @@ impl Problem for Wrong {
 }
 
 #[test]
-fn a_model_that_breaks_its_promise_is_told_which() {
+fn a_model_that_breaks_its_contract_is_told_which() {
     let d = data(&DVector::zeros(5), NoiseModel::white(1.0));
     let said = |n: usize, jacobian: Option<(usize, usize)>, valid: Option<usize>| {
         let watch: &mut dyn FnMut(&Iterate) -> ControlFlow<()> = &mut |_| ControlFlow::Continue(());

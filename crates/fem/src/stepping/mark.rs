@@ -1,6 +1,6 @@
 //! A point of a run to go back to, when a walk along the path ends nowhere.
 
-use super::March;
+use super::Stepping;
 use crate::state::State;
 
 /// Where a run stood.
@@ -13,7 +13,7 @@ pub(crate) struct Mark {
     floors: [f64; 2],
 }
 
-impl March<'_> {
+impl Stepping<'_> {
     /// Remembers this point of the run.
     pub(crate) fn mark(&mut self) -> Mark {
         for c in &mut self.columns {

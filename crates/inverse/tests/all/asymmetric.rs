@@ -32,7 +32,7 @@ fn asked<F: Rows>(toy: &Toy<F>, d: &Data, free: &[Free]) -> Uncertainty {
     let u = said(toy, d, free);
     let probes = u.probes(2);
     let all: Vec<_> = probes.iter().map(|p| Some(there(toy, d, free, &p.theta))).collect();
-    u.with_arms(&probes, &all)
+    u.with_asymmetric_intervals(&probes, &all)
 }
 
 #[test]
@@ -40,17 +40,17 @@ fn a_line_is_asked_at_the_ends_of_its_intervals_and_keeps_them() {
     let toy = Toy(5, line);
     let (d, free) = (data(&truth(&toy, &[1.0, 2.0]), NoiseModel::white(0.5)), free(10.0));
     let u = said(&toy, &d, &free);
-    let arm = [Z95 * 0.5 / 5f64.sqrt(), Z95 * 0.5 / 10f64.sqrt()];
+    let side = [Z95 * 0.5 / 5f64.sqrt(), Z95 * 0.5 / 10f64.sqrt()];
     let at: Vec<Vec<f64>> = u.probes(9).into_iter().map(|p| p.theta).collect();
     assert_eq!((at.len(), u.probes(1).len(), u.probes(0).len()), (4, 2, 0));
     for (k, pair) in at.chunks(2).enumerate() {
-        close((pair[0][k] - pair[1][k]).abs(), 2.0 * arm[k]);
+        close((pair[0][k] - pair[1][k]).abs(), 2.0 * side[k]);
         close(pair[0][k] + pair[1][k], 2.0 * [1.0, 2.0][k]);
         close(pair[0][1 - k], [2.0, 1.0][k]);
     }
     assert_eq!(asked(&toy, &d, &free).estimates, u.estimates);
     let probes = u.probes(2);
-    assert_eq!(u.clone().with_arms(&probes, &vec![None; 4]).estimates, u.estimates);
+    assert_eq!(u.clone().with_asymmetric_intervals(&probes, &vec![None; 4]).estimates, u.estimates);
     // Nothing is fixed: there is nothing to ask.
     let loud = data(&truth(&toy, &[1.0, 2.0]), NoiseModel::white(500.0));
     assert!(said(&toy, &loud, &free).probes(2).is_empty());
@@ -82,7 +82,7 @@ fn an_arm_takes_the_mean_error_along_it_and_none_gets_shorter() {
             straight.estimates[0]
         );
     }
-    // An answer that loses all its slope doubles an arm and no more; at a bound nothing is known of it.
+    // An answer that loses all its slope doubles an side and no more; at a bound nothing is known of it.
     let d = data(&truth(&bent(1.0), &[0.0]), NoiseModel::white(0.5));
     let u = said(&bent(1.0), &d, &free);
     let probes = u.probes(2);
@@ -90,17 +90,17 @@ fn an_arm_takes_the_mean_error_along_it_and_none_gets_shorter() {
     let only = |theta: f64| {
         let mut all = vec![None; 2];
         all[up] = Some(there(&bent(1.0), &d, &free, &[theta]));
-        u.clone().with_arms(&probes, &all).estimates[0].interval_95
+        u.clone().with_asymmetric_intervals(&probes, &all).estimates[0].interval_95
     };
     assert!((only(0.999)[1] - 2.0 * Z95 * 0.25).abs() < 1e-6 && (only(0.999)[0] + Z95 * 0.25).abs() < 1e-6);
     assert_eq!(only(4.0), u.estimates[0].interval_95);
-    // One end alone says half of what both would: twice the error there, a quarter of the arm.
+    // One end alone says half of what both would: twice the error there, a quarter of the side.
     assert!((only(0.5)[1] - 1.25 * Z95 * 0.25).abs() < 1e-6 && (only(0.5)[0] + Z95 * 0.25).abs() < 1e-6);
 }
 
-/// y = a and y = 2 (a + b): sd of a is σ, of b √1.25 σ, their correlation −1/√1.25. A parameter takes part as far as it leans.
+/// y = a and y = 2 (a + b): sd of a is σ, of b √1.25 σ, their correlation −1/√1.25. A parameter takes part as far as it loads.
 #[test]
-fn arms_share_what_a_combination_says() {
+fn sides_share_what_a_combination_says() {
     let pair = |i: usize, p: &[f64]| {
         if i == 0 { (p[0], vec![1.0, 0.0]) } else { (2.0 * (p[0] + p[1]), vec![2.0, 2.0]) }
     };
@@ -112,14 +112,14 @@ fn arms_share_what_a_combination_says() {
     let loud = said(&toy, &data(&DVector::from_vec(vec![0.0, 0.0]), NoiseModel::white(1.0)), &free);
     let all: Vec<_> =
         probes.iter().map(|p| Some(if p.theta[1] > 0.0 { loud.clone() } else { u.clone() })).collect();
-    let e = u.clone().with_arms(&probes, &all).estimates;
-    // The larger eigenvalue of [[1, −1], [−1, 1.25]], and how far a and b lean to its vector.
+    let e = u.clone().with_asymmetric_intervals(&probes, &all).estimates;
+    // The larger eigenvalue of [[1, −1], [−1, 1.25]], and how far a and b load on its vector.
     let l = 1.125 + (0.125f64.powi(2) + 1.0).sqrt();
     let v = DVector::from_vec(vec![1.0, 1.0 - l]).normalize();
-    let lean = [v[0].abs() * l.sqrt(), v[1].abs() * l.sqrt() / 1.25f64.sqrt()];
+    let loading = [v[0].abs() * l.sqrt(), v[1].abs() * l.sqrt() / 1.25f64.sqrt()];
     for (k, longer) in [(0, 0), (1, 1)] {
         let sd = e[k].std_error.unwrap();
-        close(e[k].interval_95[longer].abs(), (1.0 + 0.25 * lean[k]) * Z95 * sd);
+        close(e[k].interval_95[longer].abs(), (1.0 + 0.25 * loading[k]) * Z95 * sd);
         close(e[k].interval_95[1 - longer].abs(), Z95 * sd);
     }
 }
@@ -160,7 +160,7 @@ fn what_is_unknown_follows() {
 
 /// The standard error of b in y = ln(1 + b) grows with b: estimates that came out small are too sure of themselves.
 #[test]
-fn arms_hold_what_straight_intervals_lose() {
+fn asymmetric_intervals_hold_what_straight_ones_lose() {
     let toy = Toy(4, |_, p: &[f64]| ((1.0 + p[0]).ln(), vec![1.0 / (1.0 + p[0])]));
     let free = vec![Free::new("b", (-0.95, 20.0), Transform::Identity, 1.0)];
     let (mut straight, mut held) = (0, 0);
@@ -176,7 +176,7 @@ fn arms_hold_what_straight_intervals_lose() {
         held += inside(&asked(&toy, &d, &free));
     }
     let share = |n: usize| 100.0 * n as f64 / repeats as f64;
-    println!("straight {:.1} %, with arms {:.1} %", share(straight), share(held));
+    println!("straight {:.1} %, with sides {:.1} %", share(straight), share(held));
     assert!(share(straight) < 92.0, "{straight}");
     assert!((92.0..=98.0).contains(&share(held)), "{held}");
 }

@@ -1,6 +1,6 @@
 //! Mounting in parts: a turned clamp may bend the strip farther than Newton's method finds in one step.
 
-use super::March;
+use super::Stepping;
 use crate::equilibrium::Control;
 use crate::problem::Problem;
 use crate::state::Guess;
@@ -8,7 +8,7 @@ use crate::state::Guess;
 /// Smallest part of the mounting that is tried, as a share of the whole.
 const SMALLEST: f64 = 1.0 / 64.0;
 
-impl March<'_> {
+impl Stepping<'_> {
     /// Displacements of nearly the whole mounting, found through smaller ones, each the guess for the next: the history
     /// sees none of them. `None` where there is nothing to divide, or no part has an equilibrium.
     pub(super) fn mounted_in_parts(&mut self) -> Option<Guess> {
@@ -21,7 +21,7 @@ impl March<'_> {
             let partly = mounted_by(self.problem, done + part);
             let mut fresh = self.state.clone();
             if let Some(guess) = found.clone() {
-                fresh.begin_at(guess);
+                fresh.start_from(guess);
             }
             let control = Control::Actuator(self.state.actuator);
             if self.newton_of(&partly, self.context(0.0), control, &mut fresh).is_ok() {

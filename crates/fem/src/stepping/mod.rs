@@ -9,7 +9,7 @@ mod record;
 mod visits;
 
 pub(crate) use commit::{Along, fresh_commit};
-pub use options::{MarchOptions, NoObserver, Observer, Target};
+pub use options::{NoObserver, Observer, SteppingOptions, Target};
 pub use record::{Jump, Kept, Run, StepRecord};
 
 use crate::equilibrium::{free_dofs, opening};
@@ -23,17 +23,17 @@ use crate::warm::{Warm, warm_guess};
 use visits::{Recent, Visit};
 
 /// Share of a planned step below which Newton gets more iterations instead of shorter steps alone.
-const STUBBORN: f64 = 0.2;
+const SHORT_SHARE: f64 = 0.2;
 
 /// A run in progress.
-pub(crate) struct March<'a> {
+pub(crate) struct Stepping<'a> {
     pub problem: &'a Problem,
     pub local: LocalParams<f64>,
     pub system: &'a mut System,
     pub free: Vec<usize>,
     pub columns: Vec<&'a mut (dyn Columns + 'static)>,
     pub observer: &'a dyn Observer,
-    pub options: MarchOptions,
+    pub options: SteppingOptions,
     pub state: State,
     pub run: Run,
     pub force_floor: f64,
@@ -42,7 +42,7 @@ pub(crate) struct March<'a> {
     reusable: bool,
     recent: Vec<Recent>,
     /// Cuts have not helped so far: Newton gets more iterations.
-    pub stubborn: bool,
+    pub patient: bool,
     train_energy: f64,
     /// What the walks along the path are measured by.
     measure: Measure,
@@ -54,7 +54,7 @@ pub(crate) struct March<'a> {
 /// is solved there. A run that cannot go on returns everything up to that point with the reason.
 /// `cancelled` is asked between steps.
 #[allow(clippy::too_many_arguments)]
-pub fn march(
+pub fn run_steps(
     problem: &Problem,
     theta: &[f64],
     system: &mut System,
@@ -62,13 +62,13 @@ pub fn march(
     targets: &[Target],
     columns: &mut [&mut (dyn Columns + 'static)],
     observer: &dyn Observer,
-    options: MarchOptions,
+    options: SteppingOptions,
     warm: Option<&Warm>,
     cancelled: &dyn Fn() -> bool,
 ) -> Run {
     let reusable = !problem.rate_dependent() && columns.iter().all(|c| c.repeatable());
     let free = free_dofs(system);
-    let mut m = March {
+    let mut m = Stepping {
         local: problem.local(theta),
         state: initial.unwrap_or_else(|| State::virgin(problem)),
         run: Run::default(),
@@ -76,7 +76,7 @@ pub fn march(
         largest_force: 0.0,
         visits: Vec::new(),
         recent: Vec::new(),
-        stubborn: false,
+        patient: false,
         train_energy: 0.0,
         measure: Measure::default(),
         problem,
@@ -108,7 +108,7 @@ pub fn march(
         let fits = |g: &Guess| g.u.len() == m.state.u.len();
         let known = warm.and_then(|w| w.state(index, theta)).filter(fits);
         let guess = known.as_ref().and_then(|known| warm_guess(known, &differences));
-        if let Err(e) = m.reach(index, target, guess) {
+        if let Err(e) = m.advance_to(index, target, guess) {
             m.run.failure = Some(e);
             break;
         }
@@ -126,9 +126,14 @@ pub fn march(
     m.run
 }
 
-impl March<'_> {
+impl Stepping<'_> {
     /// Goes to a target, cutting steps where needed.
-    fn reach(&mut self, index: usize, target: &Target, mut guess: Option<Guess>) -> Result<(), FemError> {
+    fn advance_to(
+        &mut self,
+        index: usize,
+        target: &Target,
+        mut guess: Option<Guess>,
+    ) -> Result<(), FemError> {
         let (start, start_time) = (self.state.actuator, self.state.time);
         let clock = if target.rest { 0.0 } else { 1.0 };
         let travel = target.actuator - start;
@@ -145,7 +150,7 @@ impl March<'_> {
             let last = end > 1.0 - 1e-12;
             let actuator = if last { target.actuator } else { start + end * travel };
             let dt = (end - done) * target.dt;
-            self.stubborn = share < STUBBORN;
+            self.patient = share < SHORT_SHARE;
             match self.attempt(actuator, dt, clock, guess.take()) {
                 Ok((border, iterations, fresh)) => {
                     fresh_commit(
@@ -166,13 +171,14 @@ impl March<'_> {
                 }
                 Err(e @ FemError::Setup(_)) => return Err(e),
                 Err(e) if std::mem::take(&mut mounting) => {
-                    guess = Some(self.mounted_in_parts().ok_or_else(|| blame(e, self.state.actuator, 0.0))?);
+                    guess =
+                        Some(self.mounted_in_parts().ok_or_else(|| with_place(e, self.state.actuator, 0.0))?);
                 }
                 Err(e) => {
                     share *= 0.5;
-                    let tired = share < self.options.min_step_fraction;
+                    let at_smallest_step = share < self.options.min_step_fraction;
                     let next = [share * travel, share * target.dt];
-                    if self.walked(e, target, next, tired, &mut lost)? {
+                    if self.walked(e, target, next, at_smallest_step, &mut lost)? {
                         done = ((self.state.actuator - start) / travel).clamp(0.0, 1.0);
                         share = (1.0 - done).max(1e-9);
                         if done >= 1.0 - 1e-12 {
@@ -185,31 +191,31 @@ impl March<'_> {
     }
 
     /// Before the next step (actuator and time), one having failed: whether the run went on along the path: where it steepens
-    /// towards a limit point, and where shorter steps are no way any more (`tired`). `lost`: a walk has led nowhere
+    /// towards a limit point, and where shorter steps are no way any more (`at_smallest_step`). `lost`: a walk has led nowhere
     /// before.
     fn walked(
         &mut self,
         failed: FemError,
         target: &Target,
         [step, dt]: [f64; 2],
-        tired: bool,
+        at_smallest_step: bool,
         lost: &mut bool,
     ) -> Result<bool, FemError> {
         // Where the actuator stands still there is only time to cut.
-        let standing = step == 0.0;
-        if standing && (tired || target.dt == 0.0) || tired && self.problem.path.is_none() {
-            return Err(blame(failed, self.state.actuator, step.abs()));
+        let held = step == 0.0;
+        if held && (at_smallest_step || target.dt == 0.0) || at_smallest_step && self.problem.path.is_none() {
+            return Err(with_place(failed, self.state.actuator, step.abs()));
         }
-        if standing {
+        if held {
             return Ok(false);
         }
         // Where the mean opening has no say, neither has its tangent on limit points.
-        let ahead = self.measure == Measure::Softening || tired || path::limit_ahead(self, step);
-        if *lost && !tired || !ahead {
+        let ahead = self.measure == Measure::Softening || at_smallest_step || path::limit_ahead(self, step);
+        if *lost && !at_smallest_step || !ahead {
             return Ok(false);
         }
         // By the softening zone where nothing else has led on before, or does now.
-        let measures = match (self.measure, tired) {
+        let measures = match (self.measure, at_smallest_step) {
             (Measure::Arc, false) => vec![Measure::Arc],
             (Measure::Arc, true) => vec![Measure::Arc, Measure::Softening],
             (Measure::Softening, _) => vec![Measure::Softening],
@@ -226,8 +232,8 @@ impl March<'_> {
                 Err(e) => why = e,
             }
         }
-        if tired {
-            return Err(blame(why, self.state.actuator, step.abs()));
+        if at_smallest_step {
+            return Err(with_place(why, self.state.actuator, step.abs()));
         }
         // Too early: shorter steps may still find the way.
         *lost = true;
@@ -252,7 +258,7 @@ impl March<'_> {
     }
 }
 
-fn blame(e: FemError, displacement: f64, step: f64) -> FemError {
+fn with_place(e: FemError, displacement: f64, step: f64) -> FemError {
     match e {
         FemError::NoConvergence { reason, .. } => FemError::NoConvergence { displacement, step, reason },
         FemError::Element(fault) => FemError::NoConvergence { displacement, step, reason: fault.to_string() },

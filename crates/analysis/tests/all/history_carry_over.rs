@@ -1,12 +1,12 @@
 //! Derivatives through two tests of one piece that remembers: what the first test does not hold costs nothing
 //! there, and reaches the second all the same.
 
-use fem::MarchOptions;
+use fem::SteppingOptions;
 use model::{Discretisation, Model, Request, RunOptions};
 use std::sync::Arc;
 
 const CASE: &str = r#"
-name = "carried"
+name = "history"
 [geometry]
 length_mm = 6.0
 width_mm = 4.0
@@ -46,7 +46,7 @@ fn slopes(model: &Model, of: &str, beside: &[&str]) -> Vec<f64> {
         beside.iter().chain([&of]).map(|name| model.find(name).expect("parameter")).collect();
     let theta = model.theta();
     let options = RunOptions {
-        march: MarchOptions { keep_states: true, ..MarchOptions::default() },
+        march: SteppingOptions { keep_states: true, ..SteppingOptions::default() },
         tearing_steps: 12,
         uniaxial_steps: 6,
         follow_holds: true,

@@ -119,8 +119,10 @@ fn faint_effects_are_alike_by_angle_and_signal() {
 fn p_value(misfit: &DVector<f64>, sides: &[Side], shapes: &[&[DVector<f64>]]) -> Finding {
     let mut c = Candidate::simple("sup", sides[0], 1.0, along(&[]));
     c.amplitudes = sides.iter().map(|&side| Amplitude { side, ..c.amplitudes[0].clone() }).collect();
-    c.shapes =
-        shapes.iter().map(|s| Shape { parameters: vec![], columns: DMatrix::from_columns(s) }).collect();
+    c.shapes = shapes
+        .iter()
+        .map(|s| ShapeColumns { parameters: vec![], columns: DMatrix::from_columns(s) })
+        .collect();
     let base = DMatrix::from_columns(&[along(&[(7, 5.0)])]);
     score(misfit, &base, &[c], &Policy::default()).unwrap().findings[0].clone()
 }
@@ -294,21 +296,21 @@ fn an_effect_pays_in_bic_in_excess_and_on_what_was_held_out() {
 fn p_values_of_the_noise_as_estimated_stand_beside() {
     let one = Candidate::simple("one", Side::Positive, 7.0, along(&[(0, 2.0)]));
     let other = Candidate::simple("other", Side::Both, 1.0, along(&[(1, 1.0)]));
-    let mut cautious = screened(&[one.clone(), other.clone()]);
-    let was = cautious.clone();
+    let mut conservative = screened(&[one.clone(), other.clone()]);
+    let was = conservative.clone();
     assert_eq!(was.findings[0].effect, "other");
     assert!(was.findings.iter().all(|f| f.p_estimated.is_none() && f.p_shown() == f.p_value));
     // Half the noise along axis 0.
     let base = DMatrix::from_columns(&[along(&[(7, 5.0)])]);
     let louder = score(&along(&[(0, 6.0), (1, 4.0)]), &base, &[one], &Policy::default()).unwrap();
-    cautious.beside(&louder);
-    let [f, g] = ["one", "other"].map(|name| cautious.finding(name).unwrap());
+    conservative.beside(&louder);
+    let [f, g] = ["one", "other"].map(|name| conservative.finding(name).unwrap());
     close(f.p_estimated.unwrap(), normal_sf(6.0));
     close(f.p_shown(), normal_sf(6.0));
     close(f.p_value, normal_sf(3.0));
     assert_eq!((g.p_estimated, g.p_shown()), (None, g.p_value));
     assert_eq!(
-        cautious.findings.iter().map(|f| (f.q_value, f.significant)).collect::<Vec<_>>(),
+        conservative.findings.iter().map(|f| (f.q_value, f.significant)).collect::<Vec<_>>(),
         was.findings.iter().map(|f| (f.q_value, f.significant)).collect::<Vec<_>>()
     );
 }

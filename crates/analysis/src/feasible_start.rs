@@ -17,7 +17,7 @@ const BEGINNINGS: [f64; 3] = [0.03, 0.06, 0.12];
 const WEAKER: [f64; 6] = [1.0, 0.5, 0.25, 0.12, 0.06, 0.03];
 
 /// A start for the whole record, found on a coarse mesh. `None`: the file's values are one, or none was found.
-pub(crate) fn reaching(
+pub(crate) fn feasible_start(
     case: &Arc<Case>,
     catalogue: &Catalogue,
     work: &mut Work,

@@ -23,7 +23,7 @@ impl Target {
 
 /// How a run is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MarchOptions {
+pub struct SteppingOptions {
     /// Newton tolerances.
     pub newton: NewtonOptions,
     /// Smallest step as a share of the planned one; below it a jump is looked for.
@@ -41,14 +41,14 @@ pub struct MarchOptions {
     pub arc_step: f64,
     /// Steps along the path before a jump is given up; the snap-back of the peers takes about 150.
     pub jump_steps: usize,
-    /// Follow the equilibrium path instead of standing at planned displacements.
+    /// Follow the equilibrium path instead of being held at planned displacements.
     pub follow_path: bool,
     /// Newton iterations after which a run is given up (a search need not wait for a hopeless
     /// trial).
     pub budget: usize,
 }
 
-impl Default for MarchOptions {
+impl Default for SteppingOptions {
     fn default() -> Self {
         Self {
             newton: NewtonOptions::default(),

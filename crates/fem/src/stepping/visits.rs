@@ -1,7 +1,7 @@
 //! States of the run that help the next step: one visited before is taken over, the last ones of
 //! a branch are extrapolated.
 
-use super::{March, Target};
+use super::{Stepping, Target};
 use crate::state::{Guess, State};
 
 /// A visited state that an elastic excursion may come back to.
@@ -17,7 +17,7 @@ pub(super) struct Recent {
     pub(super) guess: Guess,
 }
 
-impl March<'_> {
+impl Stepping<'_> {
     /// Takes a state over from an earlier visit in the same elastic excursion: no history changed
     /// since, no law looks at time, the displacement is the same.
     pub(super) fn revisit(&mut self, index: usize, target: &Target) -> bool {
@@ -72,7 +72,7 @@ impl March<'_> {
         Guess::combined(&weights.into_iter().zip(used).collect::<Vec<_>>())
     }
 
-    /// What moves on at a standing actuator, as fast as in the last step: a tear that stopped at once would lose all the
+    /// What moves on at a held actuator, as fast as in the last step: a tear that stopped at once would lose all the
     /// strength it has by its rate.
     fn creep(&self, dt: f64) -> Option<Guess> {
         let [.., before, last] = &self.recent[..] else { return None };

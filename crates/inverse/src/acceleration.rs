@@ -1,6 +1,6 @@
-//! The bend of a valley, learnt from the step before.
+//! Geodesic acceleration, learnt from the step before.
 //!
-//! Where parameters trade against each other the objective is a long bent valley: a straight step along
+//! Where parameters trade against each other the objective is a long curved valley: a straight step along
 //! its floor leaves it by a second-order defect. How the jacobian changed along the last step tells that
 //! defect for a step that goes on the same way, at no cost; the next step follows the parabola
 //! s v + s² a whose a takes it back (geodesic acceleration, Transtrum & Sethna 2012, arXiv:1201.5885,
@@ -11,7 +11,7 @@ use crate::step::{Step, StepBox, bounded_step};
 use crate::whiten::Whitened;
 use nalgebra::DVector;
 
-/// Shares of the straight step that the bent step may take.
+/// Shares of the straight step that the accelerated step may take.
 const SHARES: [f64; 12] = [0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
 /// Least squared cosine between two steps along one valley.
 const ALONG: f64 = 0.5;
@@ -50,9 +50,9 @@ fn shared<'a>(before: &'a [usize], here: &'a [usize]) -> impl Iterator<Item = (u
     here.iter().enumerate().filter_map(move |(k, point)| row(point).map(|old| (k, old)))
 }
 
-/// The bent step that the parabola through `defect` at the end of `step` promises most of, or `None`
-/// where it promises nothing.
-pub(crate) fn bent_step(
+/// The step along the parabola through `defect` at the end of `step` with the largest predicted reduction, or `None`
+/// where that is not positive.
+pub(crate) fn accelerated_step(
     here: &Whitened,
     d: &DVector<f64>,
     lambda: f64,
@@ -71,7 +71,7 @@ pub(crate) fn bent_step(
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
     let dz = step * share + back * (share * share);
     let dz = dz.zip_zip_map(&space.lower, &space.upper, |x, lo, hi| x.clamp(lo, hi));
-    (after < before && dz.iter().all(|x| x.is_finite())).then_some(Step { dz, fall: before - after })
+    (after < before && dz.iter().all(|x| x.is_finite())).then_some(Step { dz, predicted: before - after })
 }
 
 #[cfg(test)]
@@ -157,24 +157,24 @@ mod tests {
     fn valley(upper: f64, step: &DVector<f64>) -> Option<Step> {
         let here = linearised(vector([0.0, 1.0]), matrix([0.0, 10.0, 1.0, 0.0]), &[0, 1]);
         let space = StepBox { lower: vector([-2.0, -2.0]), upper: vector([2.0, upper]) };
-        bent_step(&here, &vector([1.0, 1.0]), 0.0, &space, step, &vector([10.0, 0.0]))
+        accelerated_step(&here, &vector([1.0, 1.0]), 0.0, &space, step, &vector([10.0, 0.0]))
     }
 
     #[test]
-    fn a_bent_step_stays_in_the_valley() {
+    fn an_accelerated_step_stays_in_the_valley() {
         let step = valley(2.0, &vector([1.0, 0.0])).expect("a step");
-        assert!((step.dz - vector([1.0, 1.0])).amax() < 1e-12 && (step.fall - 1.0).abs() < 1e-12);
+        assert!((step.dz - vector([1.0, 1.0])).amax() < 1e-12 && (step.predicted - 1.0).abs() < 1e-12);
     }
 
     #[test]
-    fn where_a_bound_cuts_the_bend_a_shorter_step_is_worth_more() {
+    fn where_a_bound_cuts_the_parabola_a_shorter_step_is_worth_more() {
         let step = valley(0.5, &vector([1.0, 0.0])).expect("a step");
         // (1 − s)² + (5 s²)² is least of all shares at 0.2.
-        assert!((step.dz - vector([0.2, 0.02])).amax() < 1e-12 && (step.fall - 0.32).abs() < 1e-12);
+        assert!((step.dz - vector([0.2, 0.02])).amax() < 1e-12 && (step.predicted - 0.32).abs() < 1e-12);
     }
 
     #[test]
-    fn a_bend_that_promises_nothing_is_none() {
+    fn an_acceleration_that_predicts_no_reduction_is_none() {
         assert!(valley(2.0, &vector([-1.0, 0.0])).is_none());
         assert!(valley(2.0, &vector([f64::NAN, 0.0])).is_none());
     }

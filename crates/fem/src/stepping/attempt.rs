@@ -1,6 +1,6 @@
 //! One Newton solution from the last state, and what it must pass to be a step.
 
-use super::March;
+use super::Stepping;
 use crate::equilibrium::{Border, Control, take_up, train_elongation};
 use crate::error::FemError;
 use crate::newton::{Converged, NewtonOptions, Step};
@@ -12,8 +12,8 @@ use constitutive::Context;
 /// derivative and no energy hangs on it.
 const ROUGHLY: f64 = 1e-3;
 
-impl March<'_> {
-    /// One Newton solution at a standing actuator, with the checks that a step must pass.
+impl Stepping<'_> {
+    /// One Newton solution at a held actuator, with the checks that a step must pass.
     pub(super) fn attempt(
         &mut self,
         actuator: f64,
@@ -26,7 +26,7 @@ impl March<'_> {
         let guessed = guess.is_some();
         if let Some(guess) = guess.or_else(|| self.extrapolate(actuator, dt)) {
             fresh.grip = self.grip_of(&guess.u, actuator);
-            fresh.begin_at(guess);
+            fresh.start_from(guess);
         }
         let moved = fresh.u != self.state.u;
         let ctx = Context { time: self.state.time + clock * dt, ..self.context(dt) };
@@ -129,9 +129,9 @@ impl March<'_> {
         }
         // Leaving the load-free state every fibre decides whether it is taut: an active-set search
         // that smaller steps do not shorten. Nor do they where a few cuts did not help.
-        let patience = if self.run.steps.len() < 2 || self.stubborn { 4 } else { 1 };
-        let standing = matches!(control, Control::Actuator(_));
-        let rough = standing && self.columns.is_empty() && !self.options.ledger;
+        let patience = if self.run.steps.len() < 2 || self.patient { 4 } else { 1 };
+        let held = matches!(control, Control::Actuator(_));
+        let rough = held && self.columns.is_empty() && !self.options.ledger;
         let newton = NewtonOptions {
             max_iterations: patience * self.options.newton.max_iterations,
             near: if rough { ROUGHLY } else { self.options.newton.near },

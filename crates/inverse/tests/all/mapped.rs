@@ -1,0 +1,144 @@
+//! Fits of an expensive model that search on a cheap one.
+
+use super::toys::{Toy, data, exponential, exponential_free, quiet, truth};
+use inverse::{
+    Data, Fit, FitError, FitOptions, Free, Mapped, MappedOptions, NoiseModel, PredictError, Prediction,
+    Problem, Random, StopReason, fit_mapped,
+};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// The exponential with everything a little wrong: rate, offset, and a bend that the true one does not have.
+fn coarse(i: usize, p: &[f64]) -> (f64, Vec<f64>) {
+    let t = i as f64 / 10.0;
+    let e = (-0.9 * p[1] * t).exp();
+    (1.1 * p[0] * e + p[2] + 0.05 * t, vec![1.1 * e, -0.99 * p[0] * t * e, 1.0])
+}
+
+fn noisy() -> Data {
+    let values = truth(&Toy(40, exponential), &[3.0, 0.7, 0.5]) + 0.02 * Random::new(3).normals(40);
+    data(&values, NoiseModel::white(0.02))
+}
+
+fn options() -> MappedOptions {
+    let outer = FitOptions { tolerance: 1e-12, ..FitOptions::default() };
+    MappedOptions { inner: FitOptions { tolerance: 1e-10, ..outer.clone() }, outer, settled: 1e-8 }
+}
+
+fn mapped(expensive: &dyn Problem, cheap: &dyn Problem, data: &Data, free: &[Free]) -> Result<Fit, FitError> {
+    let mut go = |_: &inverse::Iterate| ControlFlow::Continue(());
+    fit_mapped(expensive, cheap, data, free, &options(), &mut go, &mut |_| ControlFlow::Continue(()))
+}
+
+/// A model that counts its runs and may refuse some.
+struct Counted<P>(P, AtomicUsize, Option<f64>);
+
+impl<P: Problem> Problem for Counted<P> {
+    fn predict(&self, theta: &[f64], jacobian: bool) -> Result<Prediction, PredictError> {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        if self.2.is_some_and(|most| theta[1] > most) {
+            return Err(PredictError::NotComputable("too fast".into()));
+        }
+        self.0.predict(theta, jacobian)
+    }
+}
+
+#[test]
+fn ends_at_the_optimum_of_the_expensive_model_in_fewer_of_its_runs() {
+    let (data, free) = (noisy(), exponential_free());
+    let expensive = Counted(Toy(40, exponential), AtomicUsize::new(0), None);
+    let direct = quiet(&expensive, &data, &free, &FitOptions { tolerance: 1e-12, ..FitOptions::default() });
+    let alone = expensive.1.swap(0, Ordering::Relaxed);
+    let end = mapped(&expensive, &Toy(40, coarse), &data, &free).expect("a fit");
+    let runs = expensive.1.load(Ordering::Relaxed);
+    assert!(end.stop.converged(), "{:?}", end.stop);
+    for (a, b) in end.theta.iter().zip(&direct.theta) {
+        assert!((a - b).abs() < 1e-4 * b.abs(), "{:?} {:?}", end.theta, direct.theta);
+    }
+    assert!(end.f - direct.f < 1e-6 && end.forward_runs == runs && runs < alone, "{runs} {alone}");
+    // The cheap model alone would have ended elsewhere.
+    let cheap = quiet(&Toy(40, coarse), &data, &free, &FitOptions::default());
+    assert!((cheap.theta[2] - direct.theta[2]).abs() > 0.1, "{:?} {:?}", cheap.theta, direct.theta);
+}
+
+#[test]
+fn the_map_is_the_expensive_model_to_first_order_at_its_anchor() {
+    let free = exponential_free();
+    let (expensive, cheap) = (Toy(40, exponential), Toy(40, coarse));
+    let theta = [2.0, 0.4, -0.1];
+    let there = expensive.predict(&theta, true).expect("a prediction");
+    let map = Mapped::at(&cheap, &free, &theta, &there).expect("a map");
+    let here = map.predict(&theta, true).expect("a prediction");
+    assert!((&here.values - &there.values).norm() < 1e-12);
+    let jacobians = (here.jacobian.expect("one"), there.jacobian.expect("one"));
+    assert!((&jacobians.0 - &jacobians.1).norm() < 1e-12 * jacobians.1.norm());
+    // Its own jacobian is that of its values.
+    let at = [2.1, 0.45, -0.05];
+    let whole = map.predict(&at, true).expect("a prediction");
+    for k in 0..3 {
+        let step = 1e-6;
+        let side = |s: f64| {
+            let mut moved = at;
+            moved[k] += s * step;
+            map.predict(&moved, false).expect("a prediction").values
+        };
+        let slope = (side(1.0) - side(-1.0)) / (2.0 * step);
+        let own = whole.jacobian.as_ref().expect("one").column(k).into_owned();
+        assert!((&slope - &own).norm() < 1e-6 * own.norm(), "{k}");
+    }
+}
+
+#[test]
+fn steps_that_the_expensive_model_refuses_get_shorter() {
+    let (data, free) = (noisy(), exponential_free());
+    // From b = 0.3 the first step of the search overshoots 0.72.
+    let from: Vec<Free> = free
+        .iter()
+        .map(|f| if f.path == "b" { Free { start: 0.3, ..f.clone() } } else { f.clone() })
+        .collect();
+    let picky = Counted(Toy(40, exponential), AtomicUsize::new(0), Some(0.72));
+    // A cheap model that decays too slowly sends the search too far.
+    let slow = |i: usize, p: &[f64]| exponential(i, &[p[0], 0.7 * p[1], p[2]]);
+    let slow = Toy(40, move |i: usize, p: &[f64]| {
+        let (v, d) = slow(i, p);
+        (v, vec![d[0], 0.7 * d[1], d[2]])
+    });
+    let end = mapped(&picky, &slow, &data, &from).expect("a fit");
+    let direct =
+        quiet(&Toy(40, exponential), &data, &free, &FitOptions { tolerance: 1e-12, ..FitOptions::default() });
+    assert!(
+        (end.theta[1] - direct.theta[1]).abs() < 1e-3,
+        "{:?} {:?} {:?}",
+        end.theta,
+        direct.theta,
+        end.stop
+    );
+}
+
+#[test]
+fn without_a_cheap_model_the_expensive_one_searches_alone() {
+    struct Never;
+    impl Problem for Never {
+        fn predict(&self, _: &[f64], _: bool) -> Result<Prediction, PredictError> {
+            Err(PredictError::NotComputable("never".into()))
+        }
+    }
+    let (data, free) = (noisy(), exponential_free());
+    let end = mapped(&Toy(40, exponential), &Never, &data, &free).expect("a fit");
+    let direct =
+        quiet(&Toy(40, exponential), &data, &free, &FitOptions { tolerance: 1e-12, ..FitOptions::default() });
+    assert_eq!(end.theta, direct.theta);
+}
+
+#[test]
+fn who_watches_may_stop_it() {
+    let (data, free) = (noisy(), exponential_free());
+    let mut stop = |_: &inverse::Iterate| ControlFlow::Break(());
+    let mut go = |_: &inverse::Iterate| ControlFlow::Continue(());
+    let (expensive, cheap) = (Toy(40, exponential), Toy(40, coarse));
+    let inner = fit_mapped(&expensive, &cheap, &data, &free, &options(), &mut go, &mut stop).expect("a fit");
+    assert_eq!((inner.stop, inner.iterations), (StopReason::Stopped, 0));
+    let mut stop = |_: &inverse::Iterate| ControlFlow::Break(());
+    let outer = fit_mapped(&expensive, &cheap, &data, &free, &options(), &mut stop, &mut go).expect("a fit");
+    assert_eq!(outer.stop, StopReason::Stopped);
+}
