@@ -22,7 +22,7 @@ mod tearing;
 mod uniaxial;
 
 pub use estimate::{from_area, nothing, over_the_torn_area, untold};
-pub use experiment::{Experiment, Sample, Setting, SupportFault, Supports};
+pub use experiment::{Experiment, Setting, SupportFault, Supports};
 pub use flat::flat_strip;
 pub use pure_shear::PureShear;
 pub use registry::{Experiments, registry};

@@ -1,6 +1,6 @@
 #![doc = include_str!("README.md")]
 
-use crate::{Experiment, Held, Sample, Setting, SupportFault, Supports};
+use crate::{Experiment, Held, Setting, SupportFault, Supports};
 use input::{Balance, Ends, ExperimentCard, Geometry, Grips, Layout, Record, Symmetry, Test};
 use mesh::{Mesh, MeshError, Strip};
 
@@ -33,14 +33,6 @@ pub struct TPeel;
 impl Experiment for TPeel {
     fn card(&self) -> &'static ExperimentCard {
         &CARD
-    }
-
-    fn sample(&self) -> Option<Sample> {
-        Some(Sample {
-            specimen: include_str!("sample/specimen.toml"),
-            config: include_str!("sample/config.toml"),
-            records: &[("peel.csv", include_str!("sample/peel.csv"))],
-        })
     }
 
     fn strip(&self, setting: &Setting<'_>) -> Result<Strip, MeshError> {

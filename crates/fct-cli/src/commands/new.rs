@@ -5,7 +5,7 @@ use crate::session::Session;
 use ::report::answer::SCHEMA;
 use ::report::{quoted_path, write_atomic};
 use serde_json::json;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Arguments of `fct new`.
 #[derive(Clone, Debug, clap::Args)]
@@ -13,10 +13,6 @@ pub struct Arguments {
     /// Name of the specimen, and of the folder that is made
     #[arg(value_name = "NAME")]
     pub name: String,
-
-    /// The experiment that the sample is of: t_peel, pure_shear; an intact and a cut strip when left out
-    #[arg(long, value_name = "NAME")]
-    pub experiment: Option<String>,
 }
 
 const SPECIMEN: &str = include_str!("../../scaffold/specimen.toml");
@@ -42,9 +38,9 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
             folder.display()
         )));
     }
-    if let Some(experiment) = &arguments.experiment {
-        return sample_of(experiment, name, &folder, session);
-    }
+    let made =
+        |e| ::report::ReportError::Io { path: folder.clone(), action: "create the directory", source: e };
+    std::fs::create_dir_all(&folder).map_err(made)?;
     let config = format!("{name}.toml");
     let files = [
         ("specimen.toml", SPECIMEN.replace("NAME", name)),
@@ -57,7 +53,13 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let made =
         |e| ::report::ReportError::Io { path: folder.join("raw"), action: "create the directory", source: e };
     std::fs::create_dir_all(folder.join("raw")).map_err(made)?;
-    let (paths, list) = write(&folder, &files)?;
+    let mut paths = Vec::new();
+    for (file, content) in files {
+        let path = folder.join(file);
+        write_atomic(&path, content.as_bytes())?;
+        paths.push(path);
+    }
+    let list: String = paths.iter().map(|p| format!("  {}\n", p.display())).collect();
     let config = folder.join(&config);
     let text = format!(
         "written:\n{list}\nThe records are synthetic samples: put yours in their place, and your dimensions into\n\
@@ -69,46 +71,6 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
         i = quoted_path(&folder.join("imported"))
     );
     Outcome::new(&json!({ "schema": SCHEMA, "files": paths }), text)
-}
-
-/// The sample of one experiment.
-fn sample_of(experiment: &str, name: &str, folder: &Path, session: &Session) -> Result<Outcome, Failure> {
-    let all = session.catalogue.experiments();
-    let Some(sample) = all.get(experiment).and_then(|e| e.sample()) else {
-        let names: Vec<&str> = all.iter().filter(|e| e.sample().is_some()).map(|e| e.card().name).collect();
-        return Err(Failure::usage(format!(
-            "fct: there is no sample of `{experiment}`; expected {}",
-            names.join(" or ")
-        )));
-    };
-    let config = format!("{name}.toml");
-    let mut files = vec![
-        ("specimen.toml", sample.specimen.replace("NAME", name)),
-        (config.as_str(), sample.config.replace("NAME", name)),
-    ];
-    files.extend(sample.records.iter().map(|(file, text)| (*file, (*text).to_owned())));
-    let (paths, list) = write(folder, &files)?;
-    let config = quoted_path(&folder.join(&config)).to_string();
-    let text = format!(
-        "written:\n{list}\nThe record is a synthetic sample: put yours in its place, and your dimensions into \
-         specimen.toml.\nIt runs as it is:\n  fct check {config}\n  fct identify {config}\n"
-    );
-    Outcome::new(&json!({ "schema": SCHEMA, "files": paths }), text)
-}
-
-/// Writes files of a new folder: their paths, and a list of them.
-fn write(folder: &Path, files: &[(&str, String)]) -> Result<(Vec<PathBuf>, String), Failure> {
-    let made =
-        |e| ::report::ReportError::Io { path: folder.to_owned(), action: "create the directory", source: e };
-    std::fs::create_dir_all(folder).map_err(made)?;
-    let mut paths = Vec::new();
-    for (file, content) in files {
-        let path = folder.join(file);
-        write_atomic(&path, content.as_bytes())?;
-        paths.push(path);
-    }
-    let list = paths.iter().map(|p| format!("  {}\n", p.display())).collect();
-    Ok((paths, list))
 }
 
 /// A record as Instron's Bluehill exports it: what is known of the specimen, names, units, numbers.

@@ -70,25 +70,6 @@ fn an_effect_that_no_test_offers_is_named_with_its_place() -> Tested {
 }
 
 #[test]
-fn a_new_folder_of_each_sample_is_read() -> Tested {
-    let folder = tempfile::tempdir()?;
-    let here = folder.path();
-    for experiment in ["t_peel", "pure_shear"] {
-        let name = format!("my_{experiment}");
-        answer(here, &["new", &name, "--experiment", experiment])?;
-        let text = fs::read_to_string(here.join(&name).join("specimen.toml"))?;
-        assert!(text.contains("synthetic") && text.contains(&format!("kind = \"{experiment}\"")), "{text}");
-        answer(here, &["check", &format!("{name}/{name}.toml")])?;
-    }
-    let (code, _, said) = match json(here, &["new", "x", "--experiment", "t_peal"]) {
-        Ok(found) => found,
-        Err(e) => (2, Value::Null, e.to_string()),
-    };
-    assert!(code == 2 && said.contains("t_peel or pure_shear") && !here.join("x").exists(), "{said}");
-    Ok(())
-}
-
-#[test]
 fn a_card_says_in_which_experiments_its_effect_shows() -> Tested {
     let folder = tempfile::tempdir()?;
     let of = |effect: &str| -> Result<Value, Box<dyn std::error::Error>> {
