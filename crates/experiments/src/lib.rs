@@ -14,7 +14,6 @@
 mod estimate;
 mod experiment;
 mod flat;
-mod pure_shear;
 mod registry;
 mod supports;
 mod t_peel;
@@ -24,7 +23,6 @@ mod uniaxial;
 pub use estimate::{from_area, nothing, over_the_torn_area, untold};
 pub use experiment::{Experiment, Setting, SupportFault, Supports};
 pub use flat::flat_strip;
-pub use pure_shear::PureShear;
 pub use registry::{Experiments, registry};
 pub use supports::{Held, across_the_ends, at_the_mouth};
 pub use t_peel::TPeel;

@@ -2,4 +2,3 @@
 
 mod common;
 mod peel;
-mod shear;
