@@ -23,7 +23,7 @@ static CARD: ExperimentCard = ExperimentCard {
     shaped: false,
     farthest,
     estimate,
-    balance: balance,
+    balance,
 };
 
 /// A dissection test: two arms pulled apart.
@@ -63,10 +63,7 @@ impl Experiment for TPeel {
             let upper = mesh.half_height || mesh.nodes[n][1] > mesh.path_y || upper_face.contains(&n);
             held.hold(n, 1, if upper { share } else { 0.0 });
             held.hold(n, 0, 0.0);
-        }
-        if !mesh.half_thickness {
-            let ends = held.set("left")?;
-            ends.iter().for_each(|&n| held.hold(n, 2, 0.0));
+            held.hold(n, 2, 0.0);
         }
         Ok(held.done())
     }

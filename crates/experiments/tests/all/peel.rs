@@ -21,7 +21,8 @@ struct Peel {
 
 impl Peel {
     fn text(&self) -> String {
-        let divisions = [(self.length / self.size).round() as usize, self.over, 1];
+        // Two over the width, so that half of them is half the mesh.
+        let divisions = [(self.length / self.size).round() as usize, self.over, 2];
         format!(
             "name = \"peel\"\n[geometry]\nlength_mm = {}\nwidth_mm = {B}\nthickness_mm = {}\ncut_mm = {}\n\
              [[tests]]\nkind = \"t_peel\"\nprotocol = [{{ to_mm = {}, rate_mm_per_s = 0.1 }}]\n\
