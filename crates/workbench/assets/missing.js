@@ -76,7 +76,7 @@ function bars(state) {
   const rest = others.filter(o => Number.isFinite(o[1])).map(([name, p]) => el("li", { "data-other": name }, el("b", {}, name), share(p),
     el("span", { class: "muted" }, `probability ${percent(p)}`)));
   fill(byId("effects"), dropping, groups, rest);
-  fill(byId("words"), [...(d?.words ?? []), ...swings(posterior)].map(w => el("li", {}, w)));
+  fill(byId("words"), [...(d?.words ?? []).filter(w => !d.screen?.some(r => r.sentence === w)), ...swings(posterior)].map(w => el("li", {}, w)));
 }
 
 // How far probabilities move where what was assumed is doubled or halved.
@@ -93,8 +93,9 @@ function swings(posterior) {
 // The card of an effect: its law, where it shows, what looks like it; its picture is what it would add to these records.
 function card(name) {
   open = open === name ? null : name;
-  const c = cards.get(open), place = byId("card");
+  const c = cards.get(open), place = byId("card"), row = document.querySelector(`[data-effect="${open}"]`);
   place.hidden = !c;
+  if (row) row.append(place);
   if (!c) return;
   const rows = [["law", c.law], ["shows in", c.shows_in.join(", ")], ["looks like", c.look_alikes.join(", ")],
     ["told apart by", c.separated_by], ["needs", c.needs.join(", ")], ["reference", c.reference]];
@@ -121,6 +122,7 @@ export function set(state) {
   cards = new Map(state.effects.map(e => [e.name, e]));
   open = null;
   byId("card").hidden = true;
+  byId("missing").insertBefore(byId("card"), byId("next"));
   nextTest(state.diagnosis?.next_test);
   stairs(state);
   bars(state);
