@@ -1,10 +1,29 @@
 //! What a record of a tear tells of toughness and strength without finite elements.
 
-use input::{Geometry, Record};
+use input::{Balance, Geometry, Record};
 
 /// Nothing tears, nothing is told.
 pub fn nothing(_: &Geometry, _: &Record) -> (f64, f64) {
     (0.0, 0.0)
+}
+
+/// The record tells no toughness.
+pub fn untold(_: &Geometry, _: &Record) -> Option<Balance> {
+    None
+}
+
+/// Larger force at the end of a record, as a share of its peak: it is not torn through.
+const TORN: f64 = 0.1;
+
+/// ∮F du over the torn area, of a record that ends torn through: unloaded ligaments give back what they stored.
+pub fn over_the_torn_area(g: &Geometry, record: &Record) -> Option<Balance> {
+    let (u, f) = (&record.displacement, &record.force);
+    let peak = f.iter().fold(0.0f64, |m, x| m.max(*x));
+    let tail = f.last().copied().unwrap_or_default();
+    let work: f64 = (1..f.len()).map(|i| 0.5 * (f[i] + f[i - 1]) * (u[i] - u[i - 1])).sum();
+    let gc = work / ((g.width - g.cut) * g.thickness);
+    let how = "by the area under the record, loops subtracted, over the torn area";
+    (tail < TORN * peak && gc > 0.0).then_some(Balance { gc, how })
 }
 
 /// Work of the record over the torn area (N/mm), and its peak over that area (MPa), for a sheet whose ligament is torn

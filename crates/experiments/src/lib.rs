@@ -16,13 +16,15 @@ mod experiment;
 mod flat;
 mod registry;
 mod supports;
+mod t_peel;
 mod tearing;
 mod uniaxial;
 
-pub use estimate::{from_area, nothing};
-pub use experiment::{Experiment, Sample, Setting, SupportFault, Supports};
+pub use estimate::{from_area, nothing, over_the_torn_area, untold};
+pub use experiment::{Experiment, Setting, SupportFault, Supports};
 pub use flat::flat_strip;
 pub use registry::{Experiments, registry};
 pub use supports::{Held, across_the_ends, at_the_mouth};
+pub use t_peel::TPeel;
 pub use tearing::Tearing;
 pub use uniaxial::Uniaxial;

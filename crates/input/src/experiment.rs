@@ -63,6 +63,18 @@ pub struct ExperimentCard {
     /// Toughness (N/mm) and strength (MPa) of the order that the record asks for, without finite elements; used where
     /// `tears`.
     pub estimate: fn(&Geometry, &Record) -> (f64, f64),
+    /// Toughness by the energy that the record alone shows, as a cross-check of an identified one; `None` where this record
+    /// does not tell.
+    pub balance: fn(&Geometry, &Record) -> Option<Balance>,
+}
+
+/// A toughness by an energy balance of the record, without finite elements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Balance {
+    /// Toughness, N/mm.
+    pub gc: f64,
+    /// What it is, in words that follow a number: `by the work of the record over the torn area`.
+    pub how: &'static str,
 }
 
 impl ExperimentCard {

@@ -53,7 +53,7 @@ pub use config::{
     MeshConfig, Mode, OptionValue, OutputConfig, Prior, PriorsConfig, Profile, SolverConfig, Symmetry, Value,
 };
 pub use diagnostics::{Diagnostic, Diagnostics, Excerpt, Severity};
-pub use experiment::{ExperimentCard, ExperimentRegistry, Layout, TestKind};
+pub use experiment::{Balance, ExperimentCard, ExperimentRegistry, Layout, TestKind};
 pub use inputs::{InputFile, sha256};
 pub use keys::{Fallback, Key, Kind, Limits, keys};
 pub use locate::locate;

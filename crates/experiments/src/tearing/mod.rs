@@ -2,6 +2,7 @@
 
 use crate::{
     Experiment, Setting, SupportFault, Supports, across_the_ends, at_the_mouth, flat_strip, from_area,
+    over_the_torn_area,
 };
 use input::{Ends, ExperimentCard, Geometry, Grips, Layout, Test};
 use mesh::{Mesh, MeshError, Strip};
@@ -23,6 +24,7 @@ static CARD: ExperimentCard = ExperimentCard {
     shaped: true,
     farthest: |g: &Geometry| FARTHEST * g.length,
     estimate: from_area,
+    balance: over_the_torn_area,
 };
 
 /// A strip with a cut, torn.

@@ -1,7 +1,7 @@
 #![doc = include_str!("README.md")]
 
 use crate::{
-    Experiment, Setting, SupportFault, Supports, across_the_ends, at_the_mouth, flat_strip, nothing,
+    Experiment, Setting, SupportFault, Supports, across_the_ends, at_the_mouth, flat_strip, nothing, untold,
 };
 use input::{Ends, ExperimentCard, Geometry, Grips, Layout, Test};
 use mesh::{Mesh, MeshError, Strip};
@@ -23,6 +23,7 @@ static CARD: ExperimentCard = ExperimentCard {
     shaped: true,
     farthest: |g: &Geometry| STRETCH * g.length,
     estimate: nothing,
+    balance: untold,
 };
 
 /// An intact strip, stretched.

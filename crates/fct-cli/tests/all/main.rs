@@ -14,6 +14,7 @@ mod common;
 mod damaged;
 #[path = "common/browser.rs"]
 mod driver;
+mod experiments;
 mod honesty;
 mod hostile;
 #[path = "common/hostile_files.rs"]

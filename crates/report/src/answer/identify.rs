@@ -1,6 +1,6 @@
 //! The answer of `fct identify`.
 
-use super::remarks::{held_at_limits, mesh_dominated, remarks, weighed};
+use super::remarks::{by_energy, held_at_limits, mesh_dominated, remarks, weighed};
 use super::{EnergyAnswer, SCHEMA, finite};
 use crate::published::Published;
 use analysis::{HistoryEntry, Identified, Left, PhaseCost, SimulatedTest};
@@ -127,6 +127,18 @@ pub struct TestFit {
     /// Energies of the fitted model at the end of the test.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy: Option<EnergyAnswer>,
+    /// Toughness by the energy that the record alone shows: a cross-check.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gc_by_energy: Option<ByEnergy>,
+}
+
+/// A toughness without finite elements.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ByEnergy {
+    /// Toughness, N/mm.
+    pub gc_N_per_mm: f64,
+    /// By what balance.
+    pub how: String,
 }
 
 /// The end of a stage.
@@ -229,7 +241,12 @@ impl IdentifyAnswer {
         let limits = held_at_limits(&done.model.parameters).into_iter();
         let dominated = mesh_dominated(&done.mesh_dominated, &tests);
         let weighed = weighed(case).into_iter();
-        let remarks = weighed.chain(limits).chain(dominated).chain(remarks(replayed)).collect();
+        let toughness: Vec<f64> =
+            parameters.iter().filter(|p| p.path.ends_with("].gc")).map(|p| p.value).collect();
+        let mean = toughness.iter().sum::<f64>() / toughness.len() as f64;
+        let balance = by_energy(&tests, finite(mean));
+        let remarks =
+            weighed.chain(limits).chain(dominated).chain(remarks(replayed)).chain(balance).collect();
         Self {
             schema: SCHEMA,
             specimen: case.name.clone(),
@@ -322,6 +339,9 @@ fn fits(done: &Identified, replayed: &[SimulatedTest]) -> (Fits, Fits) {
         let force = slot.channel == Channel::Force;
         let name = &done.model.tests[slot.test].test.name;
         let energy = replayed.iter().find(|t| force && t.name == *name).map(EnergyAnswer::new);
+        let test = &done.model.tests[slot.test].test;
+        let record = test.record.as_ref().filter(|_| force);
+        let balance = record.and_then(|r| (test.kind.balance)(&done.model.case.geometry, r));
         let fit = TestFit {
             rms_N: quality.rms,
             noise_N: quality.noise,
@@ -332,6 +352,7 @@ fn fits(done: &Identified, replayed: &[SimulatedTest]) -> (Fits, Fits) {
             numerical_error_N: error.norm() / (error.len().max(1) as f64).sqrt(),
             peak_N: block.measured.iter().fold(0.0, |m, v| m.max(v.abs())),
             energy,
+            gc_by_energy: balance.map(|b| ByEnergy { gc_N_per_mm: b.gc, how: b.how.to_owned() }),
         };
         if force {
             tests.insert(name.clone(), fit)

@@ -55,6 +55,22 @@ pub fn mesh_dominated(dominated: &[String], tests: &IndexMap<String, TestFit>) -
     ))
 }
 
+/// The toughness that each record of a tear shows by its energy alone, beside the mean of the identified ones, N/mm.
+pub fn by_energy(tests: &IndexMap<String, TestFit>, identified: Option<f64>) -> Vec<String> {
+    let beside = identified.map_or(String::new(), |gc| {
+        format!("; identified {} N/mm, the mean over the areas", significant(gc, 3))
+    });
+    let told = |(name, t): (&String, &TestFit)| {
+        let b = t.gc_by_energy.as_ref()?;
+        let gc = significant(b.gc_N_per_mm, 3);
+        Some(format!(
+            "{name}: energy balance of the record, without finite elements: Gc = {gc} N/mm {}{beside}.",
+            b.how
+        ))
+    };
+    tests.iter().filter_map(told).collect()
+}
+
 /// What of the records counts less, more or not at all.
 pub fn weighed(case: &Case) -> Vec<String> {
     let of = |t: &Test| -> Vec<String> {
@@ -115,6 +131,7 @@ mod tests {
             numerical_error_N: 0.022,
             peak_N: 1.0,
             energy: None,
+            gc_by_energy: None,
         };
         let tests = IndexMap::from([("tearing".into(), fit)]);
         assert_eq!(mesh_dominated(&[], &tests), None);

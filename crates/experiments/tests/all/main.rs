@@ -1,0 +1,4 @@
+//! Experiments against the closed forms of their steady states.
+
+mod common;
+mod peel;
