@@ -153,7 +153,14 @@ mod tests {
     fn what_has_ended_does_not_run_any_more() {
         let (queue, (told, heard)) = (Queue::default(), mpsc::channel());
         let busy = std::thread::scope(|scope| {
-            scope.spawn(|| queue.work(|_, _| (), || drop(told.send(queue.is_busy()))));
+            scope.spawn(|| {
+                queue.work(
+                    |_, _| (),
+                    || {
+                        let _ = told.send(queue.is_busy());
+                    },
+                )
+            });
             queue.ask(1);
             let busy = heard.recv_timeout(Duration::from_secs(60));
             queue.close();

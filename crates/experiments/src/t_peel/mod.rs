@@ -23,7 +23,7 @@ static CARD: ExperimentCard = ExperimentCard {
     shaped: false,
     farthest,
     estimate,
-    balance: balance,
+    balance,
 };
 
 /// A dissection test: two arms pulled apart.
