@@ -9,6 +9,8 @@ from pathlib import Path
 from PIL import Image, ImageChops
 
 COLOURS = 64
+# The README is to load quickly, MB.
+MOST = 1.9
 
 
 def frames(folder: Path, width: int) -> list[tuple[Image.Image, int]]:
@@ -39,13 +41,17 @@ def thinned(all_: list[tuple[Image.Image, int]], most: int) -> list[tuple[Image.
 def main() -> None:
     folder, out = Path(sys.argv[1]), Path(sys.argv[2])
     width = int(sys.argv[3]) if len(sys.argv) > 3 else 860
-    all_ = thinned(frames(folder, width), 40)
-    if not all_:
+    found = frames(folder, width)
+    if not found:
         raise SystemExit(f"{folder}: no pictures NNNN-T.png")
-    pictures = [picture.quantize(COLOURS, dither=Image.Dither.NONE) for picture, _ in all_]
-    pictures[0].save(
-        out, save_all=True, append_images=pictures[1:], duration=[d for _, d in all_], loop=0, optimize=True
-    )
+    for waiting in (40, 30, 22, 16, 10):
+        all_ = thinned(found, waiting)
+        pictures = [picture.quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE) for picture, _ in all_]
+        pictures[0].save(
+            out, save_all=True, append_images=pictures[1:], duration=[d for _, d in all_], loop=0, optimize=True
+        )
+        if out.stat().st_size < MOST * 1e6:
+            break
     print(f"{out}: {len(all_)} pictures, {sum(d for _, d in all_) / 1000:.0f} s, {out.stat().st_size / 1e6:.2f} MB")
 
 

@@ -115,6 +115,8 @@ pub(crate) struct Done {
 pub(crate) struct Asked<'a> {
     /// The model.
     pub problem: &'a FeProblem<'a>,
+    /// A cheap model that the search takes its steps on.
+    pub beside: Option<&'a FeProblem<'a>>,
     /// Measured data.
     pub data: &'a Data,
     /// Free parameters.
@@ -172,10 +174,15 @@ pub(crate) fn remembered(
         journal.put(&key, &bytes);
     }
     let (fit, starts) = result?;
-    Ok(Done { runs: asked.problem.runs(), warm: asked.problem.warm(), fit, starts })
+    Ok(Done { runs: asked.runs(), warm: asked.problem.warm(), fit, starts })
 }
 
 impl Asked<'_> {
+    /// Runs of its models so far.
+    fn runs(&self) -> usize {
+        self.problem.runs() + self.beside.map_or(0, FeProblem::runs)
+    }
+
     /// A hash of everything the fit depends on.
     fn key(&self) -> String {
         let p = self.problem;
@@ -196,6 +203,10 @@ impl Asked<'_> {
             self.how,
         );
         let _ = write!(text, "|{:?}", self.data);
+        if let Some(cheap) = self.beside {
+            let mesh: Vec<usize> = cheap.model.tests.iter().map(model::TestModel::unknowns).collect();
+            let _ = write!(text, "|{mesh:?}|{:?}", cheap.options);
+        }
         for state in p.warm().iter().flatten().flat_map(|w| w.at_target.iter().flatten()) {
             let _ = write!(text, "|{:?}|{:?}|{:?}", state.guess.u, state.guess.pressure, state.path);
         }
@@ -231,7 +242,7 @@ impl StoredFit {
             iterations: fit.iterations,
             forward_runs: fit.forward_runs,
             stop: fit.stop,
-            runs: asked.problem.runs(),
+            runs: asked.runs(),
             history: fit.history.clone(),
             told,
             starts,

@@ -162,5 +162,9 @@ export function begin(ask) {
     paint();
   });
   new ResizeObserver(() => paint()).observe(byId("charts"));
+  // What is taller than the window stays with its lower end in sight: there are the misfits.
+  const stick = () => { const all = byId("curves"); all.style.top = `${Math.min(document.querySelector("header").offsetHeight + 10, innerHeight - all.offsetHeight - 10)}px`; };
+  new ResizeObserver(stick).observe(byId("curves"));
+  addEventListener("resize", stick);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", paint);
 }

@@ -57,17 +57,20 @@ function share(part) {
   return bar;
 }
 
+// What the numbers beside the bars are.
+const meaning = d => d?.posterior ? "How probable it is that an effect is missing." : d ? "How much of χ² each effect would take, as the screen expects." : "";
+
 function bars(state) {
   const d = state.diagnosis, present = state.specimen?.effects ?? [], posterior = d?.posterior;
   const dropping = present.map(e => el("li", { class: "present" }, el("b", {}, e), el("span", { class: "muted" }, "in the model"),
     el("button", { type: "button", "data-drop": e, onclick: () => ask({ do: "drop", effect: e }) }, `Take ${e} away`)));
   const one = ({ effect, share: part, row }) => {
-    const told = posterior ? `probability ${percent(part)}` : `would take ${percent(part)} of χ²`;
+    const told = posterior ? `probability ${percent(part)}` : `${percent(part)} of χ²`;
     const look = on => () => curves.hover(on ? effect : null);
     return el("li", { class: (posterior ? part >= 0.1 : row.significant) ? "" : "faint", "data-effect": effect, onmouseenter: look(true), onmouseleave: look(false),
       onfocusin: look(true), onfocusout: look(false) },
       el("button", { type: "button", class: "name", title: "its card", "data-card": effect, onclick: () => card(effect) }, el("b", {}, effect)), share(part), el("span", { class: "muted" }, told),
-      el("button", { type: "button", "data-add": effect, onclick: () => ask({ do: "add", effect }) }, `Add ${effect}`),
+      el("button", { type: "button", "data-add": effect, "aria-label": `Add ${effect}`, onclick: () => ask({ do: "add", effect }) }, "Add"),
       row ? el("p", {}, row.sentence) : null);
   };
   const groups = (d ? ranked(d, present) : []).map(group => group.length === 1 ? one(group[0])
@@ -75,8 +78,9 @@ function bars(state) {
   const others = posterior ? [["nothing is missing", posterior.nothing], ["something else", posterior.something_else]] : [];
   const rest = others.filter(o => Number.isFinite(o[1])).map(([name, p]) => el("li", { "data-other": name }, el("b", {}, name), share(p),
     el("span", { class: "muted" }, `probability ${percent(p)}`)));
+  byId("meaning").textContent = meaning(d);
   fill(byId("effects"), dropping, groups, rest);
-  fill(byId("words"), [...(d?.words ?? []), ...swings(posterior)].map(w => el("li", {}, w)));
+  fill(byId("words"), [...(d?.words ?? []).filter(w => !d.screen?.some(r => r.sentence === w)), ...swings(posterior)].map(w => el("li", {}, w)));
 }
 
 // How far probabilities move where what was assumed is doubled or halved.
@@ -93,8 +97,9 @@ function swings(posterior) {
 // The card of an effect: its law, where it shows, what looks like it; its picture is what it would add to these records.
 function card(name) {
   open = open === name ? null : name;
-  const c = cards.get(open), place = byId("card");
+  const c = cards.get(open), place = byId("card"), row = document.querySelector(`[data-effect="${open}"]`);
   place.hidden = !c;
+  if (row) row.append(place);
   if (!c) return;
   const rows = [["law", c.law], ["shows in", c.shows_in.join(", ")], ["looks like", c.look_alikes.join(", ")],
     ["told apart by", c.separated_by], ["needs", c.needs.join(", ")], ["reference", c.reference]];
@@ -121,6 +126,7 @@ export function set(state) {
   cards = new Map(state.effects.map(e => [e.name, e]));
   open = null;
   byId("card").hidden = true;
+  byId("missing").insertBefore(byId("card"), byId("next"));
   nextTest(state.diagnosis?.next_test);
   stairs(state);
   bars(state);

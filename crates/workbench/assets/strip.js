@@ -93,7 +93,7 @@ export function paint() {
     box[0] = Math.min(box[0], x); box[1] = Math.min(box[1], y); box[2] = Math.max(box[2], x); box[3] = Math.max(box[3], y);
   }
   const scale = Math.min((w - 90) / (box[2] - box[0]), (h - 16) / (box[3] - box[1]));
-  const X = x => 8 + (x - box[0]) * scale, Y = y => h - 8 - (y - box[1]) * scale;
+  const left = (w - 74 - (box[2] - box[0]) * scale) / 2, X = x => left + (x - box[0]) * scale, Y = y => h - 8 - (y - box[1]) * scale;
   ctx.lineWidth = 0.5;
   ctx.strokeStyle = colour("line");
   for (const [cell, face] of frame.faces) {

@@ -134,7 +134,7 @@ impl Bench {
 
     /// Does what is asked for, one after the other, until the queue is closed.
     pub(crate) fn work(&self) {
-        self.queue.work(|action, job| {
+        let perform = |action: Action, job: &Job| {
             self.hub.tell("begun", &json!({ "what": action.words() }));
             let done = self.perform(&action, job);
             if let (Err(failed), false) = (done, job.is_superseded()) {
@@ -144,8 +144,8 @@ impl Bench {
                     &json!({ "message": failed.message, "answer": failed.json, "stopped": stopped }),
                 );
             }
-            self.hub.tell("ended", &Value::Null);
-        });
+        };
+        self.queue.work(perform, || self.hub.tell("ended", &Value::Null));
     }
 
     fn perform(&self, action: &Action, job: &Job) -> Done {

@@ -73,11 +73,12 @@ impl<T> Queue<T> {
         inner.running.is_some() || inner.pending.is_some()
     }
 
-    /// Does what is asked for, until closed.
-    pub fn work(&self, mut perform: impl FnMut(T, &Job)) {
+    /// Does what is asked for, until closed. `ended` is called when each is over: whoever asks then is told that nothing runs.
+    pub fn work(&self, mut perform: impl FnMut(T, &Job), ended: impl Fn()) {
         while let Some((what, job)) = self.next() {
             perform(what, &job);
             self.lock().running = None;
+            ended();
         }
     }
 
@@ -126,13 +127,14 @@ mod tests {
 
     /// Works at numbers above 1 until it is cancelled, and tells what it does.
     fn patient(queue: &Queue<u32>, told: &mpsc::Sender<Told>) {
-        queue.work(|what, job| {
+        let work = |what, job: &Job| {
             let _ = told.send(Told::Begun(what));
             while what > 1 && !job.cancelled.load(Ordering::SeqCst) {
                 std::thread::sleep(Duration::from_millis(1));
             }
             let _ = told.send(Told::Ended(what, job.is_superseded()));
-        });
+        };
+        queue.work(work, || ());
     }
 
     /// What is told up to and with the last that is waited for.
@@ -145,6 +147,26 @@ mod tests {
             }
         }
         all
+    }
+
+    #[test]
+    fn what_has_ended_does_not_run_any_more() {
+        let (queue, (told, heard)) = (Queue::default(), mpsc::channel());
+        let busy = std::thread::scope(|scope| {
+            scope.spawn(|| {
+                queue.work(
+                    |_, _| (),
+                    || {
+                        let _ = told.send(queue.is_busy());
+                    },
+                )
+            });
+            queue.ask(1);
+            let busy = heard.recv_timeout(Duration::from_secs(60));
+            queue.close();
+            busy
+        });
+        assert_eq!(busy, Ok(false));
     }
 
     #[test]

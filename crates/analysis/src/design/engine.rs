@@ -48,9 +48,6 @@ pub struct Foresight {
     pub effects: Vec<Foreseen>,
     /// Effects that would need something else to show: name, and what its card says.
     pub hidden: Vec<(String, String)>,
-    /// Numerical error of the file's mesh that is allowed for, rms over the points in standard deviations of their noise;
-    /// none where it is not known, as before a test.
-    pub numerical_error: Option<f64>,
 }
 
 /// A linearised model on records.
@@ -62,24 +59,17 @@ pub(super) struct Linear {
     frees: Vec<Free>,
     theta: Vec<f64>,
     all: Vec<f64>,
-    numerical_error: Option<f64>,
-}
-
-/// The case with few areas.
-pub(super) fn fewer_areas(case: &Case) -> Case {
-    let mut out = case.clone();
-    out.interface.areas = out.interface.areas.min(AREAS);
-    for list in [&mut out.interface.gc, &mut out.interface.sigma_c] {
-        list.truncate(out.interface.areas);
-    }
-    out
 }
 
 /// The case as it is looked at here: few areas, a coarse mesh.
 pub(super) fn simple(case: &Case) -> (Case, Vec<Discretisation>) {
-    let (mut out, how) = coarser(&fewer_areas(case));
+    let (mut out, how) = coarser(case);
     if out.mesh.divisions.is_none() {
         out.mesh.layers = 1;
+    }
+    out.interface.areas = out.interface.areas.min(AREAS);
+    for list in [&mut out.interface.gc, &mut out.interface.sigma_c] {
+        list.truncate(out.interface.areas);
     }
     let coarsen = |c| Discretisation { coarsen: c, ..how };
     let list = match case.mesh.divisions {
@@ -149,7 +139,7 @@ pub(super) fn linear(
     let (prediction, candidates) = (screened.prediction, screened.candidates);
     let all = theta.to_vec();
     let theta = free.iter().map(|&i| theta[i]).collect();
-    Ok(Linear { prediction, candidates, measured, frees: list, theta, all, numerical_error: None })
+    Ok(Linear { prediction, candidates, measured, frees: list, theta, all })
 }
 
 impl Linear {
@@ -168,20 +158,6 @@ impl Linear {
         Whitened::new(&self.measured.data, &self.frees, &self.theta, &self.prediction, Noise::Record)
     }
 
-    /// The same with a numerical error of the model, which is then no signal of an effect.
-    fn with_numerical_error(mut self, difference: &DVector<f64>) -> Self {
-        let in_sd: f64 = self
-            .measured
-            .data
-            .blocks
-            .iter()
-            .map(|b| difference.rows(b.range.start, b.range.len()).norm_squared() / b.noise.sd.powi(2))
-            .sum();
-        self.numerical_error = Some((in_sd / difference.len().max(1) as f64).sqrt());
-        self.measured = self.measured.with_numerical_error(difference);
-        self
-    }
-
     /// Whitened at the prediction itself: nothing is missed yet. `camera`: camera channels count.
     pub fn white(&self, camera: bool) -> Whitened {
         let mut data = self.measured.data.clone();
@@ -193,7 +169,7 @@ impl Linear {
                 data.held_out[block.range.clone()].fill(true);
             }
         }
-        Whitened::new(&data, &self.frees, &self.theta, &self.prediction, Noise::Total)
+        Whitened::new(&data, &self.frees, &self.theta, &self.prediction, Noise::Record)
     }
 
     /// Parameters that stand at a bound.
@@ -234,12 +210,7 @@ impl Linear {
             .filter(|e| !e.card().negative_control)
             .map(|e| (e.card().name.to_owned(), e.card().separated_by.to_owned()))
             .collect();
-        Ok(Foresight {
-            parameters: self.known(&white),
-            effects,
-            hidden,
-            numerical_error: self.numerical_error,
-        })
+        Ok(Foresight { parameters: self.known(&white), effects, hidden })
     }
 
     fn known(&self, white: &Whitened) -> Vec<Known> {
@@ -317,15 +288,7 @@ pub(crate) fn foresight_of_records(
     for share in STRENGTHS {
         let theta = with_strength(&model, &guess, share);
         match linear(&model, (how, LOOK), &theta, measured.clone(), catalogue, cancelled) {
-            Ok(linear) => {
-                let at = (&model, theta.as_slice());
-                let linear = match super::mesh::error(&case, catalogue, at, &linear.measured.slots, cancelled)
-                {
-                    Some(difference) => linear.with_numerical_error(&difference),
-                    None => linear,
-                };
-                return linear.foresight(catalogue, &policy, true);
-            }
+            Ok(linear) => return linear.foresight(catalogue, &policy, true),
             Err(e) if cancelled.stops() => return Err(e),
             Err(e) => last = Some(e),
         }

@@ -3,7 +3,6 @@
 mod engine;
 mod full;
 mod guess;
-mod mesh;
 mod program;
 #[cfg(test)]
 mod repeats;

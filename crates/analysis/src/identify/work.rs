@@ -209,15 +209,11 @@ impl<'a> Work<'a> {
         };
         let mapped = MappedOptions { outer: fit_options.clone(), inner, settled: INSIGNIFICANT };
         let (progress, history) = (self.control.progress, &mut self.history);
-        let watch_history = std::cell::RefCell::new(Vec::new());
         let mut watch = |iterate: &Iterate| {
             progress(&Progress { stage, coarse: true, iterate, paths: &paths, forces: Vec::new() });
-            let entry = HistoryEntry { stage, coarse: true, iterate: iterate.clone(), paths: paths.clone() };
-            watch_history.borrow_mut().push(entry);
             ControlFlow::Continue(())
         };
         let mut observer = |iterate: &Iterate| {
-            history.append(&mut watch_history.borrow_mut());
             let forces = if iterate.accepted { problem.forces_at(&iterate.theta) } else { Vec::new() };
             progress(&Progress { stage, coarse, iterate, paths: &paths, forces });
             history.push(HistoryEntry { stage, coarse, iterate: iterate.clone(), paths: paths.clone() });
@@ -228,10 +224,11 @@ impl<'a> Work<'a> {
         let starts = if several > 1 && !starting && coarse == self.coarse_level { several } else { 1 };
         let asked = Asked {
             problem: &problem,
+            beside: beside.as_ref(),
             data: &measured.data,
             free: &list,
             options: &fit_options,
-            how: &format!("{starts} starts, {}", if beside.is_some() { "mapped" } else { "alone" }),
+            how: &format!("{starts} starts"),
             cancelled: self.control.cancelled,
         };
         let done = remembered(self.control.journal, &asked, &mut observer, &mut |observer| {
@@ -261,7 +258,7 @@ impl<'a> Work<'a> {
             let told = format!("{}: {sentence}", stage.word());
             self.starts = Some(self.starts.take().map_or(told.clone(), |s| format!("{s} {told}")));
         }
-        self.runs += done.runs + beside.as_ref().map_or(0, FeProblem::runs);
+        self.runs += done.runs;
         self.theta = problem.full(&fit.theta);
         if !coarse {
             self.iterations = self.iterations.max(fit.iterations);

@@ -214,6 +214,7 @@ impl FeLadder<'_> {
             };
             let asked = Asked {
                 problem: &problem,
+                beside: None,
                 data: &self.measured.data,
                 free: &list,
                 options: &options,

@@ -33,7 +33,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Steps and tolerance of the search: the numerical error that every test carries includes them.
-pub(crate) fn search_options(case: &Case) -> RunOptions {
+fn search_options(case: &Case) -> RunOptions {
     let mut o = run_options(case);
     (o.tearing_steps, o.uniaxial_steps) = (30, 14);
     o.march.newton.tolerance = o.march.newton.tolerance.max(1e-7);

@@ -217,7 +217,8 @@ fn cards_are_complete_and_agree_with_each_other() {
     let all = effects();
     assert_eq!(all.len(), 26);
     let card = |name: &str| all.iter().find(|e| e.card().name == name).map(|e| e.card());
-    const NEEDS: [&str; 4] = ["pause or two rates", "unloading", "tearing", "two tests"];
+    const NEEDS: [&str; 6] =
+        ["pause or two rates", "unloading", "tearing", "two tests", "clamped ends", "a flat sheet"];
     for e in &all {
         let c = e.card();
         for text in [c.name, c.summary, c.law, c.reference, c.separated_by] {

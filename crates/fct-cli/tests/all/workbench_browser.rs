@@ -242,7 +242,7 @@ fn probabilities_are_bars() -> Tested {
     page.picture("workbench-probabilities", true)?;
     // Without probabilities the screen's expectation is what there is.
     let bars = shown(&mut page, json!({ "screen": screen, "words": [] }))?;
-    assert_eq!(bars[0], json!(["drift", "would take 90 % of χ²", "90%", true]));
+    assert_eq!(bars[0], json!(["drift", "90 % of χ²", "90%", true]));
     assert_eq!(bars.as_array().map(Vec::len), Some(4), "{bars}");
     assert_eq!(page.faults(), Vec::<String>::new());
     Ok(())

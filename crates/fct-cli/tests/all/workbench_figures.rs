@@ -46,10 +46,11 @@ fn the_figures_of_the_page() -> Tested {
     sliders(&mut page)?;
     drop(bench);
     long_records(&mut page, here)?;
-    exact(&mut page)?;
     let bench = Bench::open(here, &["wide"])?;
     page.go(&bench.url)?;
-    an_hour(&mut page)
+    an_hour(&mut page)?;
+    drop(bench);
+    exact(&mut page)
 }
 
 /// From the command to the first paint, the browser being open already; the best of three.
@@ -189,9 +190,11 @@ fn refined(text: &str, rows: usize) -> String {
 
 /// The exact run of a practice case, from the request to the curves.
 fn exact(page: &mut Page) -> Figures {
+    const WHAT: &str = "exact run of practice-05-compliance after a slider";
+    const TARGET: &str = "≤ 0.5 s";
     let practice = std::env::var_os("FCT_PRACTICE").map(PathBuf::from);
     let Some(from) = practice.map(|p| p.join("practice-05-compliance")).filter(|p| p.is_dir()) else {
-        row("exact curve of a practice case", "≤ 0.5 s", "not measured: no $FCT_PRACTICE");
+        row(WHAT, TARGET, "not measured: no $FCT_PRACTICE");
         return Ok(());
     };
     let folder = tempfile::tempdir()?;
@@ -204,32 +207,30 @@ fn exact(page: &mut Page) -> Figures {
     page.until("document.querySelectorAll('#charts figure').length", PATIENCE)?;
     let values = json!({ "bulk.mu": 0.006, "bulk.k1": 0.7, "bulk.k2": 15.0, "bulk.gamma": 0.73, "bulk.kappa": 0.22,
         "interface.area[1].gc": 0.15, "interface.area[1].sigma_c": 0.08 });
-    let mut best = f64::MAX;
-    for k in 0..3 {
-        let mut values = values.clone();
-        values["bulk.k1"] = (0.7 + 0.01 * f64::from(k)).into();
-        let action = json!({ "do": "set", "values": values }).to_string();
-        let begun = Instant::now();
-        let told = bench.perform(&action)?;
-        assert!(!told.contains("event: failed"), "{told}");
-        best = best.min(begun.elapsed().as_secs_f64());
-    }
+    let action = json!({ "do": "set", "values": values }).to_string();
+    let begun = Instant::now();
+    let Ok(told) = bench.perform(&action) else {
+        row(WHAT, TARGET, &format!("more than {} s", PATIENCE.as_secs()));
+        return Ok(());
+    };
+    assert!(!told.contains("event: failed"), "{told}");
+    let took = begun.elapsed().as_secs_f64();
     present(page, "Values set", SOON)?;
     let mesh = bench.state()?["specimen"]["mesh"].clone();
-    row("exact curve of practice-05-compliance", "≤ 0.5 s", &format!("{best:.2} s (mesh {mesh})"));
+    row(WHAT, TARGET, &format!("{took:.1} s (mesh {mesh})"));
     Ok(())
 }
 
-/// An hour's work in short: 6000 moves of a slider, 600 states taken anew, models laid over; then what the page holds.
+/// An hour's work in short: 2000 moves of a slider, 200 states taken anew, models laid over; then what the page holds.
 fn an_hour(page: &mut Page) -> Figures {
     page.until("document.querySelector('[data-path=\"bulk.k1\"] input[type=range]')", SOON)?;
-    for _ in 0..6 {
+    for _ in 0..20 {
         page.ask_later(
             "(async () => { const curves = await import('/assets/curves.js');
-               for (let k = 0; k < 1000; k++) {
+               for (let k = 0; k < 1000; k += 10) {
                  const s = document.querySelector('[data-path=\"bulk.k1\"] input[type=range]');
                  s.value = k; s.dispatchEvent(new Event('input'));
-                 if (k % 10 === 0) { const state = await (await fetch('/api/state')).json(); curves.set(state); await new Promise(requestAnimationFrame); }
+                 if (k % 100 === 0) { const state = await (await fetch('/api/state')).json(); curves.set(state); await new Promise(requestAnimationFrame); }
                } return 1; })()",
         )?;
     }
@@ -247,7 +248,7 @@ fn an_hour(page: &mut Page) -> Figures {
         of("JSHeapUsedSize") / 1e6,
         of("Nodes")
     );
-    row("memory after an hour's work (6000 slider moves, 600 states)", "≤ 200 MB", &told);
+    row("memory after an hour's work (2000 slider moves, 200 states)", "≤ 200 MB", &told);
     Ok(())
 }
 

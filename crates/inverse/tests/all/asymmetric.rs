@@ -62,7 +62,7 @@ fn bent(c: f64) -> Toy<impl Rows> {
 }
 
 #[test]
-fn an_arm_takes_the_mean_error_along_it_and_none_gets_shorter() {
+fn a_side_takes_the_mean_error_along_it_and_none_gets_shorter() {
     let free = vec![Free::new("b", (-4.0, 4.0), Transform::Identity, 0.1)];
     for c in [0.3, -0.3] {
         let d = data(&truth(&bent(c), &[0.0]), NoiseModel::white(0.5));

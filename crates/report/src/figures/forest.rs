@@ -219,8 +219,8 @@ mod tests {
         assert!(svg.contains("a &lt; b") && !svg.contains("NaN\""), "{svg}");
         assert_eq!(svg.matches("H").count(), 4, "three intervals and the axis");
         assert!(forest("Gc", &[]).is_empty());
-        // Both ends of the wild interval go on outside.
-        assert_eq!(svg.matches("Z\" fill=\"#0072B2\"").count(), 2, "{svg}");
+        // Both ends of the second interval go on outside, and the upper one of the third.
+        assert_eq!(svg.matches("Z\" fill=\"#0072B2\"").count(), 3, "{svg}");
     }
 
     #[test]
