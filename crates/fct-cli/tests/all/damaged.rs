@@ -78,6 +78,8 @@ fn needed(command: &str, file: &str, how: &str) -> bool {
                 file.starts_with("curves/")
                     || file.starts_with("figures/") && file.contains("S22")
                     || file == "diagnosis.json"
+                    // The sliders' derivatives; a run may have none.
+                    || file == "jacobian.csv" && how != "missing"
             }
             "add" => file == "diagnosis.json",
             _ => false,

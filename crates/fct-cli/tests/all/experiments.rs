@@ -65,7 +65,7 @@ fn an_effect_that_no_test_offers_is_named_with_its_place() -> Tested {
     let out = fct(folder.path(), &["identify", "peel.toml"])?;
     let said = String::from_utf8_lossy(&out.stderr);
     assert_eq!(out.status.code(), Some(2), "{said}");
-    assert!(said.contains("peel.toml:15") && said.contains("no test between clamped ends"), "{said}");
+    assert!(said.contains("peel.toml:16:10") && said.contains("no test between clamped ends"), "{said}");
     Ok(())
 }
 
