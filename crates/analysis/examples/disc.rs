@@ -15,16 +15,18 @@ fn main() {
         let meter = analysis::Meter::new(true);
         let go = || false;
         let metered = analysis::Metered::new(&go, &meter);
-        let mut l = match analysis::FeLadder::new(
-            Arc::new(case),
-            analysis::How {
-                catalogue: &cat,
-                policy: policy.clone(),
-                progress: &progress,
-                cancelled: &metered,
-                journal: &analysis::NoJournal,
-            },
-        ) {
+        let how = analysis::How {
+            catalogue: &cat,
+            policy: policy.clone(),
+            progress: &progress,
+            cancelled: &metered,
+            journal: &analysis::NoJournal,
+        };
+        if std::env::var("WEIGH").is_ok() {
+            weigh(&path, case, how, &meter);
+            continue;
+        }
+        let mut l = match analysis::FeLadder::new(Arc::new(case), how) {
             Ok(l) => l,
             Err(e) => {
                 println!("{path}: {e}");
@@ -95,6 +97,30 @@ fn main() {
                         f.look_alikes
                     );
                 }
+            }
+        }
+    }
+}
+
+/// Probabilities from real fits of every effect.
+fn weigh(path: &str, case: input::Case, how: analysis::How, meter: &analysis::Meter) {
+    let found = analysis::FeLadder::weighing(Arc::new(case), how).and_then(|mut l| {
+        let p = l.weigh_catalogue()?;
+        Ok((p, l))
+    });
+    match found {
+        Err(e) => println!("{path}: {e}"),
+        Ok((p, l)) => {
+            println!("== {path}: {}", p.sentence());
+            for s in p.posterior.sets.iter().take(8) {
+                let fit = l.rungs.get(&s.effects).map(|f| (f.settled, f.fit.f));
+                println!("   {:.3} {:.3} {:?} {fit:?}", s.probability, s.with_something_else, s.effects);
+            }
+            for (set, f) in &l.rungs {
+                println!("      {set:?} χ² {:.1} settled {}", f.fit.f, f.settled);
+            }
+            for c in meter.spent() {
+                println!("   {c:?}");
             }
         }
     }

@@ -107,6 +107,13 @@ impl Left {
 /// # Errors
 /// [`EvidenceError`] when a number cannot be used or nothing was fitted.
 pub(crate) fn probable(ladder: &FeLadder) -> Result<Probable, EvidenceError> {
+    probable_with_models(ladder).map(|p| p.0)
+}
+
+/// The same, with every set that was weighed, and the whole posterior.
+pub(crate) fn probable_with_models(
+    ladder: &FeLadder,
+) -> Result<(Probable, Posterior, Vec<Judged>), EvidenceError> {
     let base = ladder.rungs.get(&Vec::new()).ok_or(EvidenceError::Empty)?;
     let beliefs = Beliefs::of(&ladder.case().diagnose, ladder.catalogue());
     let measured = ladder.measured.as_estimated(&base.model).unwrap_or_else(|_| ladder.measured.clone());
@@ -123,7 +130,7 @@ pub(crate) fn probable(ladder: &FeLadder) -> Result<Probable, EvidenceError> {
     let (leader, evidence) = fitted.ok_or(EvidenceError::Empty)?;
     let rest = evidence::remains(&scale.record, &leader.linear, evidence, &beliefs.rest, beliefs.sets.beyond);
     let left = Left { explained_to: rest.explained_to(beliefs.practice), rest };
-    Ok(Probable { posterior: posterior.into(), left })
+    Ok((Probable { posterior: posterior.clone().into(), left }, posterior, models))
 }
 
 /// Sets beside the fitted ones, by the columns of every screen: the most that any screen makes of each.

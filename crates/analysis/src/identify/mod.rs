@@ -10,7 +10,7 @@ mod work;
 
 pub(crate) use search::{StagePlan, stages};
 pub use work::frees;
-pub(crate) use work::{SEARCH_TOLERANCE, TRIAL_BUDGET, Work};
+pub(crate) use work::{SEARCH_TOLERANCE, TRIAL_BUDGET, Work, fewer_steps};
 
 use crate::data::{Measured, RecordError};
 use crate::held_out::{HeldOut, held_out};
@@ -184,7 +184,7 @@ pub fn identify(
     let recent = Recent::new(control.journal);
     let control = &Control { journal: &recent, ..*control };
     let mut work = Work::new(&case, fine.theta(), options, control);
-    work.search = work::fewer_steps(options);
+    work.search = fewer_steps(options);
     let mut list = stages(&fine, case.identify.mode);
     if list.is_empty() {
         return Err(AnalysisError::Case("no parameter is free".into()));

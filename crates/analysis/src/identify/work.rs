@@ -19,7 +19,7 @@ const COARSE_TRIALS: usize = 4;
 const INSIGNIFICANT: f64 = 0.25;
 
 /// Half the load steps: the cubic through them carries the curve to 1e-5 of the peak (docs/decisions/load-steps.md).
-pub(super) fn fewer_steps(mut options: RunOptions) -> RunOptions {
+pub(crate) fn fewer_steps(mut options: RunOptions) -> RunOptions {
     options.tearing_steps = options.tearing_steps / 2 + 1;
     options.uniaxial_steps = options.uniaxial_steps / 2 + 1;
     options

@@ -88,7 +88,7 @@ impl FeLadder<'_> {
             let slots = &self.measured.slots;
             let mut problem = FeProblem::new(&model, theta, Vec::new(), slots, self.options, self.cancelled);
             problem.options.march.budget = crate::identify::TRIAL_BUDGET;
-            problem.correction = crate::Correction::constant(base.correction.clone());
+            problem.correction = base.correction.clone();
             problem.start_from(self.guesses(base, &model));
             self.runs.fetch_add(1, Ordering::Relaxed);
             match problem.predict(&[], false) {

@@ -2,13 +2,14 @@
 
 use super::{FeLadder, Fitted};
 use crate::columns::transfer;
+use crate::correction::Correction;
 use crate::cost::Phase;
 use crate::identify::{AnalysisError, frees, run_options};
 use crate::journal::{Asked, remembered};
 use crate::problem::FeProblem;
 use crate::{priors, start};
 use input::EffectConfig;
-use inverse::{FitOptions, Iterate, Problem as _, quality};
+use inverse::{FitOptions, Iterate, Objective, Problem as _, quality};
 use model::{Discretisation, Model};
 use nalgebra::DVector;
 use std::ops::ControlFlow;
@@ -50,6 +51,24 @@ const HALVED: f64 = 0.5;
 impl FeLadder<'_> {
     /// The base fit: a start if one is wanted, coarse fit, the finer mesh's correction, fit again.
     pub(super) fn base(&mut self, start: bool) -> Result<(), AnalysisError> {
+        let mut fitted = self.begun_base(start)?;
+        for _ in 0..ROUNDS {
+            let Some(correction) = self.correction_of(&fitted)? else { break };
+            let settled = self.change(&correction, &fitted.correction.shift) < SETTLED;
+            self.measured = self.measured.clone().with_numerical_error(&correction);
+            let correction = Correction::constant(correction);
+            fitted = self.fit_model(fitted.model, fitted.theta, TOLERANCE, correction, fitted.warm)?;
+            // A model that misses the record by far is not the answer: once is enough.
+            if settled || fitted.quality.reduced_chi2_total > FAR {
+                break;
+            }
+        }
+        self.rungs.insert(Vec::new(), fitted);
+        Ok(())
+    }
+
+    /// The base on the search's mesh alone.
+    pub(super) fn begun_base(&mut self, start: bool) -> Result<Fitted, AnalysisError> {
         let model = Model::new(self.case.clone(), self.catalogue, self.how)?;
         let mut theta = model.theta();
         let say = self.progress;
@@ -64,20 +83,7 @@ impl FeLadder<'_> {
         }
         self.first.clone_from(&theta);
         self.cancelled.phase(Phase::Base);
-        let none = DVector::zeros(self.measured.data.points());
-        let mut fitted = self.fit_model(model, theta, 1e-2, none, Vec::new())?;
-        for _ in 0..ROUNDS {
-            let Some(correction) = self.correction_of(&fitted)? else { break };
-            let settled = self.change(&correction, &fitted.correction) < SETTLED;
-            self.measured = self.measured.clone().with_numerical_error(&correction);
-            fitted = self.fit_model(fitted.model, fitted.theta, TOLERANCE, correction, fitted.warm)?;
-            // A model that misses the record by far is not the answer: once is enough.
-            if settled || fitted.quality.reduced_chi2_total > FAR {
-                break;
-            }
-        }
-        self.rungs.insert(Vec::new(), fitted);
-        Ok(())
+        self.fit_model(model, theta, 1e-2, Correction::default(), Vec::new())
     }
 
     /// What the file's mesh says more than the search mesh, at a fit; `None` where it cannot be
@@ -98,7 +104,10 @@ impl FeLadder<'_> {
         self.runs.fetch_add(1, Ordering::Relaxed);
         (self.progress)("numerical error: one run on the file's mesh");
         match problem.predict(&[], false) {
-            Ok(p) => Ok(Some(&p.values - (&f.fit.prediction.values - &f.correction))),
+            Ok(p) if f.correction.shift.len() == p.values.len() => {
+                Ok(Some(&p.values - (&f.fit.prediction.values - &f.correction.shift)))
+            }
+            Ok(p) => Ok(Some(&p.values - &f.fit.prediction.values)),
             Err(inverse::PredictError::Interrupted) => Err(inverse::PredictError::Interrupted.into()),
             Err(e) => {
                 (self.progress)(&format!("the file's mesh gives no answer here: {e}"));
@@ -109,7 +118,7 @@ impl FeLadder<'_> {
 
     /// Root mean square of the change of a correction, in standard deviations of the noise.
     fn change(&self, a: &DVector<f64>, b: &DVector<f64>) -> f64 {
-        let d = a - b;
+        let d = if b.len() == a.len() { a - b } else { a.clone() };
         let blocks = &self.measured.data.blocks;
         let sum: f64 = blocks
             .iter()
@@ -132,7 +141,7 @@ impl FeLadder<'_> {
         &self,
         model: Model,
         theta: Vec<f64>,
-        start: DVector<f64>,
+        start: Correction,
         states: Vec<Option<fem::Warm>>,
     ) -> Result<Fitted, AnalysisError> {
         self.corrected(self.fit_model(model, theta, TOLERANCE, start, states)?)
@@ -140,6 +149,10 @@ impl FeLadder<'_> {
 
     /// A fit with a correction of its own, where it promises to be the answer.
     pub(super) fn corrected(&self, mut fitted: Fitted) -> Result<Fitted, AnalysisError> {
+        // What is weighed has a correction of first order already.
+        if self.objective == Objective::Record {
+            return Ok(fitted);
+        }
         let best = self.rungs.values().map(|f| f.quality.reduced_chi2_total).fold(f64::INFINITY, f64::min);
         for round in 0..ROUNDS {
             let chi2 = fitted.quality.reduced_chi2_total;
@@ -147,7 +160,8 @@ impl FeLadder<'_> {
                 break;
             }
             let Some(correction) = self.correction_of(&fitted)? else { break };
-            let change = self.change(&correction, &fitted.correction);
+            let change = self.change(&correction, &fitted.correction.shift);
+            let correction = Correction::constant(correction);
             fitted = self.fit_model(fitted.model, fitted.theta, TOLERANCE, correction, fitted.warm)?;
             if change < SETTLED {
                 break;
@@ -162,7 +176,7 @@ impl FeLadder<'_> {
         model: Model,
         theta: Vec<f64>,
         tolerance: f64,
-        correction: DVector<f64>,
+        correction: Correction,
         states: Vec<Option<fem::Warm>>,
     ) -> Result<Fitted, AnalysisError> {
         let free = model.free();
@@ -179,9 +193,10 @@ impl FeLadder<'_> {
                 self.cancelled,
             );
             problem.options.march.budget = crate::identify::TRIAL_BUDGET;
-            problem.correction = crate::Correction::constant(correction.clone());
+            problem.correction = correction.clone();
             problem.start_from(states);
             let options = FitOptions {
+                objective: self.objective,
                 tolerance,
                 max_iterations: 12,
                 max_trials: TRIALS,
@@ -232,6 +247,6 @@ impl FeLadder<'_> {
             all[i] = v;
         }
         let quality = quality(&self.measured.data, &list, &fit);
-        Ok(Fitted { model, theta: all, free, frees: list, fit, quality, correction, warm })
+        Ok(Fitted { model, theta: all, free, frees: list, fit, quality, correction, settled: false, warm })
     }
 }

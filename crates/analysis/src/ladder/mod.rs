@@ -11,11 +11,14 @@ mod forms;
 pub(crate) mod next_test;
 mod rung;
 mod search;
+mod weighing;
 
 pub use adds::Adds;
 pub use next_test::{NextTest, Tried};
+use weighing::FineStates;
 
 use crate::columns::Base;
+use crate::correction::Correction;
 use crate::cost::Phase;
 use crate::data::Measured;
 use crate::identify::{AnalysisError, coarser, run_options};
@@ -23,10 +26,9 @@ use crate::journal::Journal;
 use crate::problem::Cancelled;
 use diagnose::{Candidate, Policy, Rung, Screen};
 use input::Case;
-use inverse::{Data, Fit, Free, Noise, Quality, Whitened};
+use inverse::{Data, Fit, Free, Noise, Objective, Quality, Whitened};
 use model::cost::Purpose;
 use model::{Catalogue, Discretisation, Model, RunOptions};
-use nalgebra::DVector;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -54,8 +56,10 @@ pub struct Fitted {
     pub fit: Fit,
     /// χ² and kin.
     pub quality: Quality,
-    /// What the file's mesh says more than the search mesh, at this fit.
-    pub correction: DVector<f64>,
+    /// What the file's mesh says more than the search mesh, around this fit.
+    pub correction: Correction,
+    /// Whether this is the optimum on the file's mesh.
+    pub settled: bool,
     /// States of the last run: first guesses.
     pub warm: Vec<Option<fem::Warm>>,
 }
@@ -80,6 +84,10 @@ pub struct FeLadder<'a> {
     first: Vec<f64>,
     runs: AtomicUsize,
     policy: Policy,
+    /// What fits minimise.
+    objective: Objective,
+    /// States on the file's mesh at the base's optimum: first guesses there.
+    fine_states: Option<FineStates>,
     progress: &'a (dyn Fn(&str) + Sync),
     journal: &'a dyn Journal,
 }
@@ -127,6 +135,8 @@ impl<'a> FeLadder<'a> {
             first: Vec::new(),
             runs: AtomicUsize::new(0),
             policy,
+            objective: Objective::Whitened,
+            fine_states: None,
             progress,
             journal,
         })
@@ -221,7 +231,8 @@ impl diagnose::Ladder for FeLadder<'_> {
         let screened = base.screen()?;
         self.runs.fetch_add(1 + screened.secant_runs, Ordering::Relaxed);
         let mut prediction = screened.prediction;
-        prediction.values += &f.correction;
+        let by = f.free.as_slice();
+        f.correction.apply(&f.model, &f.theta, by, &mut prediction.values, prediction.jacobian.as_mut());
         self.candidates = screened.candidates;
         self.screened.insert(key.clone(), self.candidates.clone());
         let judged = |data: &Data| {
