@@ -8,7 +8,7 @@ pub fn nothing(_: &Geometry, _: &Record) -> (f64, f64) {
 }
 
 /// The record tells no toughness.
-pub fn untold(_: &Geometry, _: &Record) -> Option<Balance> {
+pub fn no_balance(_: &Geometry, _: &Record) -> Option<Balance> {
     None
 }
 

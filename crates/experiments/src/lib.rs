@@ -20,7 +20,7 @@ mod t_peel;
 mod tearing;
 mod uniaxial;
 
-pub use estimate::{from_area, nothing, over_the_torn_area, untold};
+pub use estimate::{from_area, no_balance, nothing, over_the_torn_area};
 pub use experiment::{Experiment, Setting, SupportFault, Supports};
 pub use flat::flat_strip;
 pub use registry::{Experiments, registry};

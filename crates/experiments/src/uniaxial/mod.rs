@@ -1,7 +1,8 @@
 #![doc = include_str!("README.md")]
 
 use crate::{
-    Experiment, Setting, SupportFault, Supports, across_the_ends, at_the_mouth, flat_strip, nothing, untold,
+    Experiment, Setting, SupportFault, Supports, across_the_ends, at_the_mouth, flat_strip, no_balance,
+    nothing,
 };
 use input::{Ends, ExperimentCard, Geometry, Grips, Layout, Test};
 use mesh::{Mesh, MeshError, Strip};
@@ -23,7 +24,7 @@ static CARD: ExperimentCard = ExperimentCard {
     shaped: true,
     farthest: |g: &Geometry| STRETCH * g.length,
     estimate: nothing,
-    balance: untold,
+    balance: no_balance,
 };
 
 /// An intact strip, stretched.
