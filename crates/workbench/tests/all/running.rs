@@ -5,7 +5,7 @@ use std::error::Error;
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -20,11 +20,14 @@ pub struct Idle {
     /// Words of every command, and whether it was cancelled.
     pub heard: Mutex<Vec<(Vec<String>, bool)>>,
     pub waits: AtomicBool,
+    /// How many have begun.
+    pub begun: AtomicUsize,
 }
 
 impl Commands for Idle {
     fn run(&self, words: &[String], cancelled: &Arc<AtomicBool>, listener: &Arc<dyn Listener>) -> Told {
         listener.note("at work");
+        self.begun.fetch_add(1, Ordering::SeqCst);
         let begun = Instant::now();
         while self.waits.load(Ordering::SeqCst)
             && !cancelled.load(Ordering::SeqCst)
