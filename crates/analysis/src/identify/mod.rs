@@ -178,19 +178,21 @@ pub fn identify(
     let case = crate::condensed(&case);
     let fine = Model::checked(case.clone(), catalogue, Discretisation::default(), Purpose::Fit)?;
     let coarse = coarse_model(&case, catalogue)?;
+    let cheaper = cheap_model(&case, catalogue)?;
     let options = run_options(&case);
     let wanted = fine.recorded();
     let measured = Measured::of(&fine, &wanted)?;
     let recent = Recent::new(control.journal);
     let control = &Control { journal: &recent, ..*control };
     let mut work = Work::new(&case, fine.theta(), options, control);
-    work.search = fewer_steps(options);
+    if cheaper.is_some() {
+        work.search = fewer_steps(options);
+    }
     let mut list = stages(&fine, case.identify.mode);
     if list.is_empty() {
         return Err(AnalysisError::Case("no parameter is free".into()));
     }
-    let cheaper = cheap_model(&case, catalogue)?;
-    let cheap = cheaper.as_ref().or(coarse.as_ref());
+    let cheap = cheaper.as_ref();
     let search = Search { case: &case, catalogue, fine: &fine, coarse: coarse.as_ref(), cheap };
     search.run(&mut work, &list)?;
     if case.identify.release_bulk && staged(&list) && work.tear_left.unexplained() {

@@ -1,7 +1,6 @@
 //! What the given mesh says near an answer, without running it there.
 
 use super::finish::Answer;
-use super::work::fewer_steps;
 use super::{SEARCH_TOLERANCE, TRIAL_BUDGET, Work};
 use crate::correction::Correction;
 use crate::problem::FeProblem;
@@ -32,7 +31,7 @@ impl<'m> Nearby<'m> {
         answer: &Answer<'m>,
         (fit, error): (&Fit, &DVector<f64>),
     ) -> Result<Self, PredictError> {
-        let mut options = fewer_steps(work.options);
+        let mut options = work.search;
         options.march.budget = TRIAL_BUDGET;
         options.march.newton.tolerance = options.march.newton.tolerance.max(SEARCH_TOLERANCE);
         let (Some(cheap), Some(coarse)) = (answer.cheap, answer.coarse) else {
