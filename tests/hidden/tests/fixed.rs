@@ -104,8 +104,8 @@ fn the_suite_is_complete() {
     assert!(all.iter().all(|s| s.name.starts_with("case-") && s.name.len() == 8));
 }
 
-/// The base model of a search is the answer of `identify` to the same file, to the bit, and what all parameters together do from
-/// there is no worse.
+/// The base model of a search is the answer of `identify` to the same file (but for the rounding of a transformation and back),
+/// and what all parameters together do from there is no worse.
 #[test]
 fn the_base_model_of_a_search_is_that_of_identify() {
     let root = tempfile::tempdir().expect("a folder");
@@ -127,7 +127,7 @@ fn the_base_model_of_a_search_is_that_of_identify() {
     let shown = ladder.shown(&[]).expect("there is a base model");
     for (free, value) in shown.frees.iter().zip(&shown.fit.theta) {
         let i = alone.model.find(&free.path).expect("the same parameters");
-        assert_eq!(*value, alone.theta[i], "{}", free.path);
+        assert!((value / alone.theta[i] - 1.0).abs() < 1e-14, "{}", free.path);
     }
     assert!(ladder.rungs[&Vec::new()].fit.f <= shown.fit.f);
 }

@@ -1,6 +1,6 @@
 //! Probabilities as bars.
 
-use super::escape;
+use super::{escape, share_class};
 use crate::peek::probabilities;
 use crate::terminal::percent;
 use serde_json::Value;
@@ -13,9 +13,9 @@ pub fn bars(answer: &Value) -> String {
     }
     let one = |(name, p): &(String, f64)| {
         format!(
-            "<tr><th scope=\"row\">{}</th><td class=\"share\"><span style=\"width:{:.1}%\"></span></td><td>{}</td></tr>\n",
+            "<tr><th scope=\"row\">{}</th><td class=\"share\"><span class=\"{}\"></span></td><td>{}</td></tr>\n",
             escape(name),
-            100.0 * p.clamp(0.0, 1.0),
+            share_class(*p),
             escape(&percent(*p))
         )
     };
