@@ -1,6 +1,6 @@
 //! What an experiment is to the model.
 
-use fem::Prescribed;
+use fem::{Prescribed, Waypoint};
 use input::{Case, ExperimentCard, Test};
 use mesh::{Mesh, MeshError, Strip};
 
@@ -48,4 +48,14 @@ pub trait Experiment: Send + Sync {
     /// # Errors
     /// [`SupportFault`] for a mesh without the nodes that are to be held.
     fn supports(&self, mesh: &Mesh, test: &Test) -> Result<Supports, SupportFault>;
+
+    /// Where the held faces pass by while the piece is mounted, where it is turned farther than Newton's method finds in
+    /// one step.
+    ///
+    /// # Errors
+    /// [`SupportFault`].
+    fn waypoints(&self, mesh: &Mesh) -> Result<Vec<Waypoint>, SupportFault> {
+        let _ = mesh;
+        Ok(Vec::new())
+    }
 }

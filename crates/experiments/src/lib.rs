@@ -14,15 +14,19 @@
 mod estimate;
 mod experiment;
 mod flat;
+mod peel;
+mod peel_180;
 mod registry;
 mod supports;
 mod t_peel;
 mod tearing;
 mod uniaxial;
 
-pub use estimate::{from_area, no_balance, nothing, over_the_torn_area};
+pub use estimate::{any_piece, from_area, no_balance, nothing, over_the_torn_area};
 pub use experiment::{Experiment, Setting, SupportFault, Supports};
 pub use flat::flat_strip;
+pub use peel::{plateau_balance, plateau_estimate, split_strip};
+pub use peel_180::Peel180;
 pub use registry::{Experiments, registry};
 pub use supports::{Held, across_the_ends, at_the_mouth};
 pub use t_peel::TPeel;

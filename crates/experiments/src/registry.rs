@@ -1,12 +1,16 @@
 //! The list of all experiments: one line each.
 
-use crate::{Experiment, TPeel, Tearing, Uniaxial};
+use crate::{Experiment, Peel180, TPeel, Tearing, Uniaxial};
 use input::{ExperimentRegistry, TestKind};
 use std::sync::Arc;
 
 /// Every experiment this project knows, in the order of the handbook.
 pub fn registry() -> Experiments {
-    Experiments::default().with(Arc::new(Uniaxial)).with(Arc::new(Tearing)).with(Arc::new(TPeel))
+    Experiments::default()
+        .with(Arc::new(Uniaxial))
+        .with(Arc::new(Tearing))
+        .with(Arc::new(TPeel))
+        .with(Arc::new(Peel180))
 }
 
 /// Experiments that can be asked by name.

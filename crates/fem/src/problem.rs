@@ -53,6 +53,9 @@ pub struct Prescribed {
     pub mount: f64,
 }
 
+/// A point on the way of a piece into the clamps: displacement (mm) of degrees of freedom that are held.
+pub type Waypoint = Vec<(usize, f64)>;
+
 /// A law parameter at a point: (1 − w) θ_a + w θ_b.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blend {
@@ -121,6 +124,9 @@ pub struct Problem {
     pub body: Arc<Body>,
     /// Per degree of freedom (3 per node): `None` = free.
     pub supports: Arc<Vec<Option<Prescribed>>>,
+    /// Where the held faces pass by while the piece is mounted, in order; the supports are the end of that way. Empty for
+    /// a piece that needs no turning.
+    pub waypoints: Arc<Vec<Waypoint>>,
     /// Whole specimen over modelled part: 4 for a quarter model. Scales force and energies.
     pub multiplicity: f64,
     /// Bulk law.

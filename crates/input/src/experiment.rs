@@ -58,6 +58,8 @@ pub struct ExperimentCard {
     pub clamped_faces: bool,
     /// Whether pieces may have an outline and a thickness profile.
     pub shaped: bool,
+    /// Why the test cannot be done on this piece: a key of `[geometry]`, and what was expected of it; `None` where it can.
+    pub objection: fn(&Geometry) -> Option<(&'static str, String)>,
     /// How far such a test usually goes on this piece where nothing else is known, mm.
     pub farthest: fn(&Geometry) -> f64,
     /// Toughness (N/mm) and strength (MPa) of the order that the record asks for, without finite elements; used where

@@ -1,7 +1,7 @@
 #![doc = include_str!("README.md")]
 
 use crate::{
-    Experiment, Setting, SupportFault, Supports, across_the_ends, at_the_mouth, flat_strip, no_balance,
+    Experiment, Setting, SupportFault, Supports, across_the_ends, any_piece, at_the_mouth, flat_strip, no_balance,
     nothing,
 };
 use input::{Ends, ExperimentCard, Geometry, Grips, Layout, Test};
@@ -22,6 +22,7 @@ static CARD: ExperimentCard = ExperimentCard {
     grips: &[Grips::Ends, Grips::Mouth],
     clamped_faces: true,
     shaped: true,
+    objection: any_piece,
     farthest: |g: &Geometry| STRETCH * g.length,
     estimate: nothing,
     balance: no_balance,

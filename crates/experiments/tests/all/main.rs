@@ -2,3 +2,4 @@
 
 mod common;
 mod peel;
+mod peel_180;

@@ -4,7 +4,7 @@ use super::turned::turned;
 use super::{Active, BaseLaws, BuildError, Discretisation, TestModel};
 use crate::catalogue::{Catalogue, FLAT_SHEET};
 use crate::effect::{Action, Bulk, Interface, Piece};
-use experiments::{Experiment, Setting};
+use experiments::{Experiment, Setting, SupportFault};
 use fem::{Blend, Body, Link, Path, Problem};
 use input::{Case, Geometry, Layout, Profile, Test, Value};
 use mesh::Mesh;
@@ -173,15 +173,18 @@ impl Builder {
             .and_then(|strip| mesh::strip(&strip))
             .map_err(|source| BuildError::mesh(case, &test.name, source))?;
         let body = Arc::new(Body::of(&mesh));
-        let supports = experiment.supports(&mesh, test).map_err(|fault| {
+        let no_set = |fault: SupportFault| {
             BuildError::Case(format!("test {}: the mesh has no `{}`", test.name, fault.set))
-        })?;
+        };
+        let supports = experiment.supports(&mesh, test).map_err(no_set)?;
+        let waypoints = experiment.waypoints(&mesh).map_err(no_set)?;
         let multiplicity =
             if mesh.half_height { 2.0 } else { 1.0 } * if mesh.half_thickness { 2.0 } else { 1.0 };
         let path = test.kind.tears.then(|| self.path(case, &mesh, &body));
         let mut template = Problem {
             body,
             supports: Arc::new(supports),
+            waypoints: Arc::new(waypoints),
             multiplicity,
             bulk: turned(&self.bulk, test.kind.layout),
             bulk_params: self.bulk_params.clone(),

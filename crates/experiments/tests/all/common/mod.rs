@@ -17,6 +17,17 @@ pub fn run(text: &str) -> SimulatedTest {
     test
 }
 
+/// What is said of a file that cannot be read.
+pub fn fault(text: &str) -> String {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("case.toml");
+    std::fs::write(&path, text).expect("written");
+    match input::read_case(&path, &effects::catalogue()) {
+        Ok(_) => panic!("the file was read"),
+        Err(e) => e.to_string(),
+    }
+}
+
 fn never() -> bool {
     false
 }
