@@ -49,6 +49,12 @@ pub trait Experiment: Send + Sync {
     /// [`SupportFault`] for a mesh without the nodes that are to be held.
     fn supports(&self, mesh: &Mesh, test: &Test) -> Result<Supports, SupportFault>;
 
+    /// Whether the lower face of the tear keeps its direction while the upper one may be folded back over it: openings are
+    /// then split by the normal of the lower face, else by that of the mid-surface.
+    fn one_face_turns(&self) -> bool {
+        false
+    }
+
     /// Where the held faces pass by while the piece is mounted, where it is turned farther than Newton's method finds in
     /// one step.
     ///

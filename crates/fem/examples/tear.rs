@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let point = || (7..11).map(Blend::one).collect::<Vec<_>>();
     let path = Path {
         law: Arc::new(cohesive::Cohesive),
-        rule: interface::Integration::Gauss,
+        rule: interface::Integration::Gauss.into(),
         params: body.cohesive.iter().map(|_| std::array::from_fn(|_| point())).collect(),
         position: vec![[0.5; 4]; body.cohesive.len()],
     };

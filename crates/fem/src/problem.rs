@@ -1,7 +1,7 @@
 //! What is solved: body, supports, laws, and which parameter goes where.
 
 use crate::error::FemError;
-use crate::interface::{self, Integration};
+use crate::interface::{self, Rule};
 use constitutive::{Context, Over, PointLaw, Scalar};
 use mesh::Mesh;
 use std::sync::Arc;
@@ -82,8 +82,8 @@ impl Blend {
 pub struct Path {
     /// Traction law.
     pub law: Arc<dyn PointLaw<3>>,
-    /// Integration rule.
-    pub rule: Integration,
+    /// How its elements are evaluated.
+    pub rule: Rule,
     /// For each element and point: one entry per law parameter.
     pub params: Vec<[Vec<Blend>; interface::POINTS]>,
     /// For each element and point: position along the path, 0 at the cut, 1 at the far edge.

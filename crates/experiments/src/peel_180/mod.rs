@@ -61,6 +61,10 @@ impl Experiment for Peel180 {
         Ok(held.done())
     }
 
+    fn one_face_turns(&self) -> bool {
+        true
+    }
+
     fn waypoints(&self, mesh: &Mesh) -> Result<Vec<Waypoint>, SupportFault> {
         let at = |turn: usize| -> Result<Waypoint, SupportFault> {
             let face = folded(mesh, PI * turn as f64 / TURNS as f64)?;
@@ -101,7 +105,9 @@ fn arm(g: &Geometry) -> f64 {
 fn objection(g: &Geometry) -> Option<(&'static str, String)> {
     let least = (PI * FOLD + 1.0) * arm(g);
     (g.cut < least).then(|| {
-        let why = format!("folds the arm back; expected a cut of at least {least:.3} mm for an arm as thick as this");
+        let why = format!(
+            "folds the arm back; expected a cut of at least {least:.3} mm for an arm as thick as this"
+        );
         ("cut", why)
     })
 }

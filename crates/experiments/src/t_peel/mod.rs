@@ -1,7 +1,8 @@
 #![doc = include_str!("README.md")]
 
 use crate::{
-    Experiment, Held, Setting, SupportFault, Supports, any_piece, plateau_balance, plateau_estimate, split_strip,
+    Experiment, Held, Setting, SupportFault, Supports, any_piece, plateau_balance, plateau_estimate,
+    split_strip,
 };
 use input::{Ends, ExperimentCard, Geometry, Grips, Layout, Test};
 use mesh::{Mesh, MeshError, Strip};

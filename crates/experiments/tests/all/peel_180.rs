@@ -31,9 +31,6 @@ fn toughness(force: f64) -> f64 {
 fn plateau(text: &str, length: f64) -> (f64, f64) {
     let test = run(text);
     let end = test.tear_front[test.tear_front.len() - 1];
-    for i in (0..test.time.len()).step_by(8) {
-        println!("{:8.3} {:9.5} {:8.3}", test.displacement[i], test.force[i], test.tear_front[i]);
-    }
     assert!(end > 8.0 && end < length - 3.0, "the front stands at {end} mm");
     assert!(test.force[0].abs() < 0.1 * test.force[test.force.len() - 1], "folded: {} N", test.force[0]);
     let rows = test.tear_front.iter().zip(&test.force).filter(|(x, _)| **x > end - 3.0);
@@ -46,15 +43,15 @@ fn plateau(text: &str, length: f64) -> (f64, f64) {
 fn a_steady_180_degree_peel_gives_the_toughness() {
     let (force, scatter) = plateau(&text(6.0, 20.0, 0.5, 4, 24.0), 20.0);
     let found = toughness(force);
-    println!(
-        "F = {force:.5} N, ± {scatter:.4}, Gc = {found:.5} N/mm, {:+.3} %",
-        100.0 * (found / GC - 1.0)
-    );
+    println!("F = {force:.5} N, ± {scatter:.4}, Gc = {found:.5} N/mm, {:+.3} %", 100.0 * (found / GC - 1.0));
     assert!((found / GC - 1.0).abs() < 0.01, "{found}");
 }
 
 #[test]
 fn a_cut_too_short_for_the_fold_is_an_error_of_the_file() {
     let message = fault(&text(2.0, 20.0, 0.5, 4, 24.0));
-    assert!(message.contains("cut_mm") && message.contains("peel_180") && message.contains("4.142"), "{message}");
+    assert!(
+        message.contains("cut_mm") && message.contains("peel_180") && message.contains("4.142"),
+        "{message}"
+    );
 }

@@ -180,7 +180,7 @@ impl Builder {
         let waypoints = experiment.waypoints(&mesh).map_err(no_set)?;
         let multiplicity =
             if mesh.half_height { 2.0 } else { 1.0 } * if mesh.half_thickness { 2.0 } else { 1.0 };
-        let path = test.kind.tears.then(|| self.path(case, &mesh, &body));
+        let path = test.kind.tears.then(|| self.path(case, &mesh, &body, experiment.one_face_turns()));
         let mut template = Problem {
             body,
             supports: Arc::new(supports),
@@ -221,21 +221,23 @@ impl Builder {
         })
     }
 
-    /// Law and parameters of every point of the tear path.
-    fn path(&self, case: &Case, mesh: &Mesh, body: &Body) -> Path {
+    /// Law and parameters of every point of the tear path; `one_turns`: its lower face keeps its direction.
+    fn path(&self, case: &Case, mesh: &Mesh, body: &Body, one_turns: bool) -> Path {
         let m = case.interface.areas;
-        let rule = match case.solver.integration {
+        let sampling = match case.solver.integration {
             input::Integration::Gauss => fem::interface::Integration::Gauss,
             input::Integration::Nodal => fem::interface::Integration::Nodal,
         };
+        let rule = fem::interface::Rule { sampling, upper: if one_turns { 0.0 } else { 0.5 } };
         let left = mesh.interfaces.iter().flat_map(|i| i.x).fold(f64::MAX, f64::min) - mesh.cut;
         let span = mesh.path_width - mesh.cut;
         let mut params = Vec::new();
         let mut position = Vec::new();
         for (e, el) in body.cohesive.iter().enumerate() {
             let nodes = el.lower.map(|n| mesh.nodes[n]);
-            let at: [f64; 4] =
-                std::array::from_fn(|q| (fem::interface::point_x(&nodes, q, rule) - left - mesh.cut) / span);
+            let at: [f64; 4] = std::array::from_fn(|q| {
+                (fem::interface::point_x(&nodes, q, sampling) - left - mesh.cut) / span
+            });
             let area = mesh.area(e, m);
             let point = |q: usize| -> Vec<Blend> {
                 let (a, b, w) = match case.interface.profile {

@@ -125,7 +125,7 @@ pub fn problem(strip: &Strip, ends: Ends, areas: usize) -> Problem {
     let body = Body::of(&mesh);
     let path = strip.tear.then(|| Path {
         law: Arc::new(cohesive::Cohesive),
-        rule: Integration::Gauss,
+        rule: Integration::Gauss.into(),
         params: (0..body.cohesive.len())
             .map(|e| {
                 let area = mesh.area(e, areas);
