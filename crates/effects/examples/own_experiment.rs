@@ -19,6 +19,7 @@ static CARD: ExperimentCard = ExperimentCard {
     tears: false,
     whole_section: true,
     free_strip: false,
+    two_axes: false,
     channels: &["grip_displacement"],
     ends: &[Ends::Sliding],
     grips: &[Grips::Ends],

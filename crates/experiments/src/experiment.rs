@@ -1,6 +1,6 @@
 //! What an experiment is to the model.
 
-use fem::{Prescribed, Waypoint};
+use fem::{Prescribed, Reaction, Waypoint};
 use input::{Case, ExperimentCard, Test};
 use mesh::{Mesh, MeshError, Strip};
 
@@ -48,6 +48,12 @@ pub trait Experiment: Send + Sync {
     /// # Errors
     /// [`SupportFault`] for a mesh without the nodes that are to be held.
     fn supports(&self, mesh: &Mesh, test: &Test) -> Result<Supports, SupportFault>;
+
+    /// The forces that are measured, where they are not the work-conjugate one: along y, then along x.
+    fn reactions(&self, mesh: &Mesh) -> Vec<Reaction> {
+        let _ = mesh;
+        Vec::new()
+    }
 
     /// Whether the lower face of the tear keeps its direction while the upper one may be folded back over it: openings are
     /// then split by the normal of the lower face, else by that of the mid-surface.

@@ -11,6 +11,7 @@
 //! assert!(tearing.is_some_and(|card| card.tears && card.measures("tear_front")));
 //! ```
 
+mod biaxial;
 mod estimate;
 mod experiment;
 mod flat;
@@ -22,6 +23,7 @@ mod t_peel;
 mod tearing;
 mod uniaxial;
 
+pub use biaxial::Biaxial;
 pub use estimate::{any_piece, from_area, no_balance, nothing, over_the_torn_area};
 pub use experiment::{Experiment, Setting, SupportFault, Supports};
 pub use flat::flat_strip;

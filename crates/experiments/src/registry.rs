@@ -1,6 +1,6 @@
 //! The list of all experiments: one line each.
 
-use crate::{Experiment, Peel180, TPeel, Tearing, Uniaxial};
+use crate::{Biaxial, Experiment, Peel180, TPeel, Tearing, Uniaxial};
 use input::{ExperimentRegistry, TestKind};
 use std::sync::Arc;
 
@@ -11,6 +11,7 @@ pub fn registry() -> Experiments {
         .with(Arc::new(Tearing))
         .with(Arc::new(TPeel))
         .with(Arc::new(Peel180))
+        .with(Arc::new(Biaxial))
 }
 
 /// Experiments that can be asked by name.

@@ -48,6 +48,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         body: Arc::new(body),
         supports: Arc::new(supports),
         waypoints: Arc::default(),
+        reactions: Arc::default(),
         multiplicity: 4.0,
         bulk: Arc::new(hgo::Hgo::default()),
         bulk_params: (0..7).collect(),

@@ -56,6 +56,10 @@ pub struct Prescribed {
 /// A point on the way of a piece into the clamps: displacement (mm) of degrees of freedom that are held.
 pub type Waypoint = Vec<(usize, f64)>;
 
+/// A force that is measured: a sum of the forces on held degrees of freedom, (degree of freedom, weight). Faces that the
+/// tear path reaches have none.
+pub type Reaction = Vec<(usize, f64)>;
+
 /// A law parameter at a point: (1 − w) θ_a + w θ_b.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blend {
@@ -127,6 +131,8 @@ pub struct Problem {
     /// Where the held faces pass by while the piece is mounted, in order; the supports are the end of that way. Empty for
     /// a piece that needs no turning.
     pub waypoints: Arc<Vec<Waypoint>>,
+    /// Forces that are measured beside the work-conjugate one.
+    pub reactions: Arc<Vec<Reaction>>,
     /// Whole specimen over modelled part: 4 for a quarter model. Scales force and energies.
     pub multiplicity: f64,
     /// Bulk law.

@@ -48,6 +48,9 @@ pub struct ExperimentCard {
     pub whole_section: bool,
     /// Whether the piece stretches roughly as a free strip does, so that one equation gives starts for the bulk.
     pub free_strip: bool,
+    /// Whether a second actuator pulls along x, and a second load cell measures there: records have `displacement_x` and
+    /// `force_x`, and effects of the one load train and of the one load cell take no part.
+    pub two_axes: bool,
     /// Camera channels that it measures: `grip_displacement`, `tear_front`, `width_change`.
     pub channels: &'static [&'static str],
     /// Which `ends` it can be done with, the default first.

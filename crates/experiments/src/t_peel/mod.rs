@@ -19,6 +19,7 @@ static CARD: ExperimentCard = ExperimentCard {
     tears: true,
     whole_section: false,
     free_strip: false,
+    two_axes: false,
     channels: &["grip_displacement", "tear_front"],
     ends: &[Ends::Clamped],
     grips: &[Grips::Ends],

@@ -17,6 +17,7 @@ static CARD: ExperimentCard = ExperimentCard {
     tears: true,
     whole_section: true,
     free_strip: false,
+    two_axes: false,
     channels: &["grip_displacement", "tear_front"],
     ends: &[Ends::Clamped, Ends::Sliding],
     grips: &[Grips::Ends, Grips::Mouth],

@@ -17,6 +17,7 @@ static CARD: ExperimentCard = ExperimentCard {
     tears: false,
     whole_section: true,
     free_strip: true,
+    two_axes: false,
     channels: &["grip_displacement", "width_change"],
     ends: &[Ends::Clamped, Ends::Sliding],
     grips: &[Grips::Ends, Grips::Mouth],

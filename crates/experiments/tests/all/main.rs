@@ -1,5 +1,6 @@
 //! Experiments against the closed forms of their steady states.
 
+mod biaxial;
 mod common;
 mod peel;
 mod peel_180;

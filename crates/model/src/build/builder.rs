@@ -185,6 +185,7 @@ impl Builder {
             body,
             supports: Arc::new(supports),
             waypoints: Arc::new(waypoints),
+            reactions: Arc::new(experiment.reactions(&mesh)),
             multiplicity,
             bulk: turned(&self.bulk, test.kind.layout),
             bulk_params: self.bulk_params.clone(),
@@ -198,6 +199,7 @@ impl Builder {
         let (mut shapes, mut mounts, mut sensors) = (Vec::new(), Vec::new(), Vec::new());
         for a in self.active.iter().filter(|a| !a.idle) {
             match a.effect.act(&a.options, &piece) {
+                _ if test.kind.two_axes && a.effect.card().site.is_of_one_axis() => {}
                 Action::Mount(_) if !test.kind.clamped_faces => {}
                 Action::Shape(_) if !flat && a.effect.card().needs.contains(&FLAT_SHEET) => {}
                 Action::Train(law) => template.train.push(Link { law, params: a.params.clone() }),

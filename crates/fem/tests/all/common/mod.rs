@@ -141,6 +141,7 @@ pub fn problem(strip: &Strip, ends: Ends, areas: usize) -> Problem {
         body: Arc::new(body),
         supports: Arc::new(supports),
         waypoints: Arc::default(),
+        reactions: Arc::default(),
         multiplicity: half(mesh.half_height) * half(mesh.half_thickness),
         bulk: Arc::new(hgo::Hgo::default()),
         bulk_params: (0..7).collect(),
