@@ -10,13 +10,16 @@ const TISSUE: [f64; 5] = [5.1e-3, 0.0388, 8.0, 30.0, 0.15];
 /// Length, width, thickness, mm.
 const SHEET: [f64; 3] = [10.0, 8.0, 1.2];
 
+/// MPa; the closed form's is infinite, and what is missing to that is in inverse proportion.
+const NEARLY_INCOMPRESSIBLE: f64 = 2000.0;
+
 fn text(test: &str, rest: &str) -> String {
     let ([mu, k1, k2, gamma, kappa], [length, width, thickness]) = (TISSUE, SHEET);
     format!(
         "name = \"sheet\"\n[geometry]\nlength_mm = {length}\nwidth_mm = {width}\nthickness_mm = {thickness}\n\
          [[tests]]\nkind = \"biaxial\"\n{test}\n\
          [bulk]\nmu_MPa = {mu}\nk1_MPa = {k1}\nk2 = {k2}\ngamma_deg = {gamma}\nkappa = {kappa}\n\
-         bulk_modulus_MPa = 2000.0\n{rest}\n"
+         bulk_modulus_MPa = {NEARLY_INCOMPRESSIBLE}\n{rest}\n"
     )
 }
 
@@ -115,7 +118,8 @@ fn derivatives_of_both_forces_agree_with_differences() {
                 { to_mm = 2.0, rate_mm_per_s = 0.1 }]\nratio_x = 0.7";
     let rest = "[mesh]\ndivisions = [4, 4, 2]\n[effects.viscoelastic]\ng = 0.3\ntau_s = 8.0\n[effects.mullins]\na = 0.3\n";
     for ends in ["sliding", "clamped"] {
-        let text = text(&format!("{legs}\nends = \"{ends}\""), rest);
+        // As stiff as tissue is usually taken: differences of a stiffer one are of rounding.
+        let text = text(&format!("{legs}\nends = \"{ends}\""), rest).replace("_MPa = 2000", "_MPa = 20");
         let paths = [
             "bulk.mu",
             "bulk.k1",
