@@ -73,10 +73,9 @@ impl Holds {
             model::FLAT_SHEET if !self.flat => {
                 Some(("no test in the plane of the piece", "a test in its plane"))
             }
-            model::ONE_AXIS if !self.one_axis => Some((
-                "no test with one load train and one load cell",
-                "a test with one actuator",
-            )),
+            model::ONE_AXIS if !self.one_axis => {
+                Some(("no test with one load train and one load cell", "a test with one actuator"))
+            }
             "unloading" if !self.unloading => Some(("no unloading", "a partial unloading and a reloading")),
             "two tests" if self.tests < 2 => Some(("one test", "a second test of another kind")),
             TIME if !self.pause && !self.two_rates() => {

@@ -1,6 +1,6 @@
 //! The list of all experiments: one line each.
 
-use crate::{Biaxial, Experiment, Peel180, TPeel, Tearing, Uniaxial};
+use crate::{Biaxial, Experiment, Peel180, PureShear, TPeel, Tearing, Uniaxial};
 use input::{ExperimentRegistry, TestKind};
 use std::sync::Arc;
 
@@ -12,6 +12,7 @@ pub fn registry() -> Experiments {
         .with(Arc::new(TPeel))
         .with(Arc::new(Peel180))
         .with(Arc::new(Biaxial))
+        .with(Arc::new(PureShear))
 }
 
 /// Experiments that can be asked by name.

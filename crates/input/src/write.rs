@@ -169,7 +169,7 @@ fn test(w: &mut Writer, t: &Test, path: &impl Fn(&Record) -> PathBuf) {
         };
         w.line("protocol", &format!("[{}]", legs.iter().map(leg).collect::<Vec<_>>().join(", ")));
     }
-    if t.kind.two_axes && t.record.is_none() {
+    if t.kind.two_axes && t.protocol.is_some() && t.record.is_none() {
         w.line("ratio_x", &float(t.ratio_x));
     }
     w.text("ends", if t.ends == Ends::Clamped { "clamped" } else { "sliding" });

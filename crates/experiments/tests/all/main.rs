@@ -4,3 +4,4 @@ mod biaxial;
 mod common;
 mod peel;
 mod peel_180;
+mod shear;

@@ -140,7 +140,8 @@ where
             reactions.iter().map(|r| r.iter().copied().collect()).collect();
         let mut out = vec![[0.0; W]; reactions.len()];
         for (e, h) in self.problem.body.hexes.iter().enumerate() {
-            let held = |w: &HashMap<usize, f64>| h.iter().any(|n| (0..3).any(|i| w.contains_key(&(3 * n + i))));
+            let held =
+                |w: &HashMap<usize, f64>| h.iter().any(|n| (0..3).any(|i| w.contains_key(&(3 * n + i))));
             if !weights.iter().any(held) {
                 continue;
             }

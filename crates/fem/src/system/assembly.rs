@@ -160,9 +160,10 @@ impl System {
     pub fn reactions(&self, problem: &Problem) -> Vec<f64> {
         let one = |reaction: &Reaction| {
             let weights: HashMap<usize, f64> = reaction.iter().copied().collect();
-            let forces = self.elements.iter().zip(&problem.body.hexes).flat_map(|(el, h)| {
-                el.residual.iter().enumerate().map(|(i, r)| (3 * h[i / 3] + i % 3, *r))
-            });
+            let forces =
+                self.elements.iter().zip(&problem.body.hexes).flat_map(|(el, h)| {
+                    el.residual.iter().enumerate().map(|(i, r)| (3 * h[i / 3] + i % 3, *r))
+                });
             forces.filter_map(|(dof, r)| Some(weights.get(&dof)? * r)).sum()
         };
         problem.reactions.iter().map(one).collect()

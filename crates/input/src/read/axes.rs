@@ -62,11 +62,8 @@ fn data_fault(s: &Section<'_>, message: String, help: &str) {
 fn by_record(s: &Section<'_>, record: &Record, across: &[f64]) -> f64 {
     let along = &record.displacement;
     let square: f64 = along.iter().map(|u| u * u).sum();
-    let ratio = if square > 0.0 {
-        along.iter().zip(across).map(|(u, x)| u * x).sum::<f64>() / square
-    } else {
-        0.0
-    };
+    let ratio =
+        if square > 0.0 { along.iter().zip(across).map(|(u, x)| u * x).sum::<f64>() / square } else { 0.0 };
     let range = along.iter().chain(across).fold(0.0f64, |m, u| m.max(u.abs()));
     let off = |k: &usize| (across[*k] - ratio * along[*k]).abs() > APART * range;
     if let Some(k) = (0..along.len().min(across.len())).find(off) {
@@ -77,7 +74,11 @@ fn by_record(s: &Section<'_>, record: &Record, across: &[f64]) -> f64 {
             plain(along[k]),
             plain((1e4 * ratio).round() / 1e4)
         );
-        data_fault(s, message, "one ratio of the displacements is one test: cut the record where the ratio changes");
+        data_fault(
+            s,
+            message,
+            "one ratio of the displacements is one test: cut the record where the ratio changes",
+        );
     }
     ratio
 }
