@@ -31,10 +31,26 @@ pub struct Setting<'a> {
     pub coarsen: f64,
 }
 
+/// A folder that runs as it is: what `fct new --experiment` writes.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    /// The specimen file; `NAME` stands for its name.
+    pub specimen: &'static str,
+    /// The config; `NAME` stands for its name.
+    pub config: &'static str,
+    /// Name and text of each record. Synthetic, and said so in it.
+    pub records: &'static [(&'static str, &'static str)],
+}
+
 /// An experiment: a card, and how the piece is meshed and held.
 pub trait Experiment: Send + Sync {
     /// What it says of itself.
     fn card(&self) -> &'static ExperimentCard;
+
+    /// A sample of it, where it has one.
+    fn sample(&self) -> Option<Sample> {
+        None
+    }
 
     /// What is meshed: x along the tear, y across it, extents in mm.
     ///

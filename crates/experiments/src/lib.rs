@@ -26,7 +26,7 @@ mod uniaxial;
 
 pub use biaxial::Biaxial;
 pub use estimate::{any_piece, from_area, no_balance, nothing, over_the_torn_area};
-pub use experiment::{Experiment, Setting, SupportFault, Supports};
+pub use experiment::{Experiment, Sample, Setting, SupportFault, Supports};
 pub use flat::flat_strip;
 pub use peel::{plateau_balance, plateau_estimate, split_strip};
 pub use peel_180::Peel180;

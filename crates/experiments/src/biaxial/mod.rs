@@ -1,6 +1,8 @@
 #![doc = include_str!("README.md")]
 
-use crate::{Experiment, Held, Setting, SupportFault, Supports, any_piece, flat_strip, no_balance, nothing};
+use crate::{
+    Experiment, Held, Sample, Setting, SupportFault, Supports, any_piece, flat_strip, no_balance, nothing,
+};
 use fem::Reaction;
 use input::{Ends, ExperimentCard, Geometry, Grips, Layout, Test};
 use mesh::{Mesh, MeshError, Strip};
@@ -36,6 +38,17 @@ pub struct Biaxial;
 impl Experiment for Biaxial {
     fn card(&self) -> &'static ExperimentCard {
         &CARD
+    }
+
+    fn sample(&self) -> Option<Sample> {
+        Some(Sample {
+            specimen: include_str!("sample/specimen.toml"),
+            config: include_str!("sample/config.toml"),
+            records: &[
+                ("equal.csv", include_str!("sample/equal.csv")),
+                ("half.csv", include_str!("sample/half.csv")),
+            ],
+        })
     }
 
     fn strip(&self, setting: &Setting<'_>) -> Result<Strip, MeshError> {

@@ -1,7 +1,7 @@
 #![doc = include_str!("README.md")]
 
 use crate::{
-    Experiment, Held, Setting, SupportFault, Supports, plateau_balance, plateau_estimate, split_strip,
+    Experiment, Held, Sample, Setting, SupportFault, Supports, plateau_balance, plateau_estimate, split_strip,
 };
 use fem::Waypoint;
 use input::{Ends, ExperimentCard, Geometry, Grips, Layout, Test};
@@ -43,6 +43,14 @@ pub struct Peel180;
 impl Experiment for Peel180 {
     fn card(&self) -> &'static ExperimentCard {
         &CARD
+    }
+
+    fn sample(&self) -> Option<Sample> {
+        Some(Sample {
+            specimen: include_str!("sample/specimen.toml"),
+            config: include_str!("sample/config.toml"),
+            records: &[("peel.csv", include_str!("sample/peel.csv"))],
+        })
     }
 
     fn strip(&self, setting: &Setting<'_>) -> Result<Strip, MeshError> {

@@ -1,7 +1,7 @@
 #![doc = include_str!("README.md")]
 
 use crate::{
-    Experiment, Held, Setting, SupportFault, Supports, any_piece, plateau_balance, plateau_estimate,
+    Experiment, Held, Sample, Setting, SupportFault, Supports, any_piece, plateau_balance, plateau_estimate,
     split_strip,
 };
 use input::{Ends, ExperimentCard, Geometry, Grips, Layout, Test};
@@ -38,6 +38,14 @@ pub struct TPeel;
 impl Experiment for TPeel {
     fn card(&self) -> &'static ExperimentCard {
         &CARD
+    }
+
+    fn sample(&self) -> Option<Sample> {
+        Some(Sample {
+            specimen: include_str!("sample/specimen.toml"),
+            config: include_str!("sample/config.toml"),
+            records: &[("peel.csv", include_str!("sample/peel.csv"))],
+        })
     }
 
     fn strip(&self, setting: &Setting<'_>) -> Result<Strip, MeshError> {

@@ -235,3 +235,21 @@ fn the_loop_on_a_synthetic_sheet_with_hidden_viscosity() -> Tested {
     assert!(ladder["ladder"][1]["bic"].as_f64() < ladder["ladder"][0]["bic"].as_f64());
     Ok(())
 }
+
+#[test]
+fn a_new_folder_of_each_experiment_is_read() -> Tested {
+    let folder = tempfile::tempdir()?;
+    let here = folder.path();
+    for experiment in ["uniaxial", "tearing", "t_peel", "peel_180", "biaxial", "pure_shear"] {
+        let name = format!("my_{experiment}");
+        answer(here, &["new", &name, "--experiment", experiment])?;
+        let text = fs::read_to_string(here.join(&name).join("specimen.toml"))?;
+        assert!(text.contains("synthetic") && text.contains(&format!("kind = \"{experiment}\"")), "{text}");
+        answer(here, &["check", &format!("{name}/{name}.toml")])?;
+    }
+    let out = fct(here, &["new", "x", "--experiment", "t_peal"])?;
+    let said = String::from_utf8_lossy(&out.stderr);
+    assert_eq!(out.status.code(), Some(2), "{said}");
+    assert!(said.contains("t_peel, peel_180, biaxial") && !here.join("x").exists(), "{said}");
+    Ok(())
+}
