@@ -1,6 +1,6 @@
 #![doc = include_str!("README.md")]
 
-use crate::{Experiment, Sample, Setting, SupportFault, Supports, across_the_ends, flat_strip};
+use crate::{Experiment, Setting, SupportFault, Supports, across_the_ends, flat_strip};
 use input::{Balance, Ends, ExperimentCard, Geometry, Grips, Layout, Record, Test};
 use mesh::{Mesh, MeshError, Strip};
 
@@ -33,14 +33,6 @@ pub struct PureShear;
 impl Experiment for PureShear {
     fn card(&self) -> &'static ExperimentCard {
         &CARD
-    }
-
-    fn sample(&self) -> Option<Sample> {
-        Some(Sample {
-            specimen: include_str!("sample/specimen.toml"),
-            config: include_str!("sample/config.toml"),
-            records: &[("shear.csv", include_str!("sample/shear.csv"))],
-        })
     }
 
     fn strip(&self, setting: &Setting<'_>) -> Result<Strip, MeshError> {

@@ -14,7 +14,7 @@ pub struct Arguments {
     #[arg(value_name = "NAME")]
     pub name: String,
 
-    /// The experiment that the sample is of: t_peel, peel_180, biaxial or pure_shear; uniaxial, tearing, or left out: an intact and a cut strip
+    /// The experiment that the sample is of: t_peel, peel_180 or biaxial; uniaxial, tearing, or left out: an intact and a cut strip
     #[arg(long, value_name = "NAME")]
     pub experiment: Option<String>,
 }

@@ -207,14 +207,18 @@ fn the_loop_on_a_synthetic_sheet_with_hidden_viscosity() -> Tested {
 
     let base = answer(here, &["identify", "fit.toml", "--out", "base"])?;
     assert_eq!(base["explained"], false);
-    assert!(base["channels"]["equal.force_x"]["rms"].is_number() || base["channels"].is_object(), "{base}");
+    assert!(
+        base["channels"]["equal.force_x"]["points"].as_f64().is_some_and(|n| n > 50.0),
+        "{}",
+        base["channels"]
+    );
     let curve = fs::read_to_string(here.join("base/curves/equal.csv"))?;
     assert!(
         curve.starts_with("time_s") && curve.contains("force_x_measured_N,force_x_model_N"),
         "{curve:.200}"
     );
     let compared = answer(here, &["compare", "base"])?;
-    println!("{:.600}", compared.to_string());
+    assert!(compared.to_string().contains("equal.force_x"), "{compared}");
     let diagnosis = answer(here, &["diagnose", "base"])?;
     println!("screen: {} first", diagnosis["screen"][0]["effect"]);
     assert_eq!(diagnosis["screen"][0]["effect"], "viscoelastic", "{}", diagnosis["screen"][0]);
@@ -240,7 +244,7 @@ fn the_loop_on_a_synthetic_sheet_with_hidden_viscosity() -> Tested {
 fn a_new_folder_of_each_experiment_is_read() -> Tested {
     let folder = tempfile::tempdir()?;
     let here = folder.path();
-    for experiment in ["uniaxial", "tearing", "t_peel", "peel_180", "biaxial", "pure_shear"] {
+    for experiment in ["uniaxial", "tearing", "t_peel", "peel_180", "biaxial"] {
         let name = format!("my_{experiment}");
         answer(here, &["new", &name, "--experiment", experiment])?;
         let text = fs::read_to_string(here.join(&name).join("specimen.toml"))?;
