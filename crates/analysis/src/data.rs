@@ -174,6 +174,7 @@ fn noise_of(
         Channel::GripDisplacement => test.grip_displacement_sd,
         Channel::TearFront => test.tear_front_sd,
         Channel::WidthChange => test.width_change_sd,
+        Channel::ForceX => test.force_x_sd,
     };
     let Some(record) = &test.record else { return Err(RecordError::Empty) };
     let averages = averages_of(record, channel, rows);

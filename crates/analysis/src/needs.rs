@@ -19,6 +19,7 @@ struct Holds {
     tearing: bool,
     clamped: bool,
     flat: bool,
+    one_axis: bool,
     unloading: bool,
     pause: bool,
     /// Slowest and fastest leg, mm/s.
@@ -32,6 +33,7 @@ impl Holds {
             holds.tests += 1;
             holds.tearing |= test.kind.tears;
             holds.clamped |= test.kind.clamped_faces;
+            holds.one_axis |= !test.kind.two_axes;
             holds.flat |= test.kind.layout == Layout::Sheet;
             holds.add(&corners_of_record(record));
         }
@@ -70,6 +72,9 @@ impl Holds {
             model::FLAT_SHEET if !self.flat => {
                 Some(("no test in the plane of the piece", "a test in its plane"))
             }
+            model::ONE_AXIS if !self.one_axis => {
+                Some(("no test with one load train and one load cell", "a test with one actuator"))
+            }
             "unloading" if !self.unloading => Some(("no unloading", "a partial unloading and a reloading")),
             "two tests" if self.tests < 2 => Some(("one test", "a second test of another kind")),
             TIME if !self.pause && !self.two_rates() => {
@@ -97,7 +102,8 @@ pub fn needs(case: &Case, catalogue: &Catalogue) -> (Vec<Need>, Vec<Need>) {
     let holds = Holds::of(case);
     let (mut faults, mut remarks) = (Vec::new(), Vec::new());
     for (config, effect) in case.effects.iter().filter_map(|e| catalogue.get(&e.name).map(|f| (e, f))) {
-        for need in effect.card().needs {
+        let axis = effect.card().site.is_of_one_axis().then_some(&model::ONE_AXIS);
+        for need in effect.card().needs.iter().chain(axis) {
             if let Some((what, add)) = holds.lacks(need) {
                 // One rate still makes loops of unloading; without a tear there is nothing at all.
                 let list = if *need == TIME { &mut remarks } else { &mut faults };
@@ -115,7 +121,7 @@ mod tests {
     fn holds(legs: &[(f64, f64)]) -> Holds {
         let corners: Vec<Corner> =
             legs.iter().map(|&(time, displacement)| Corner { time, displacement }).collect();
-        let mut holds = Holds { tests: 1, clamped: true, flat: true, ..Holds::default() };
+        let mut holds = Holds { tests: 1, clamped: true, flat: true, one_axis: true, ..Holds::default() };
         holds.add(&corners);
         holds
     }

@@ -5,7 +5,7 @@ use crate::cost::Phase;
 use crate::identify::{AnalysisError, Identified, run_options};
 use crate::problem::Cancelled;
 use fem::{FemError, History, Run, State, SteppingOptions, Target, run_steps};
-use input::{Case, Control};
+use input::{Case, Control, Test};
 use inverse::PredictError;
 use model::cost::Purpose;
 use model::{
@@ -51,6 +51,8 @@ pub struct SimulatedTest {
     pub displacement: Vec<f64>,
     /// What the load cell reads, N.
     pub force: Vec<f64>,
+    /// Second actuator's displacement, mm, and what its load cell reads, N; empty for a test with one axis.
+    pub across: [Vec<f64>; 2],
     /// Camera: change of distance between the clamped edges, mm.
     pub grip_displacement: Vec<f64>,
     /// Camera: tear front, mm; empty for an intact strip.
@@ -246,6 +248,7 @@ fn answer(model: &Model, theta: &[f64], t: usize, plan: Plan, run: Run) -> Simul
     };
     SimulatedTest {
         name: test.name.clone(),
+        across: across(test, &run),
         force: readings(model, theta, t, &plan, &run, &time),
         grip_displacement: run.steps.iter().map(|s| s.grip - zero.0).collect(),
         tear_front,
@@ -262,6 +265,15 @@ fn answer(model: &Model, theta: &[f64], t: usize, plan: Plan, run: Run) -> Simul
         plan,
         run,
     }
+}
+
+/// Displacement and force of the second axis, where there is one.
+fn across(test: &Test, run: &Run) -> [Vec<f64>; 2] {
+    if !test.kind.two_axes {
+        return Default::default();
+    }
+    let force = |s: &fem::StepRecord| s.reactions.get(1).copied().unwrap_or_default();
+    [run.steps.iter().map(|s| test.ratio_x * s.grip).collect(), run.steps.iter().map(force).collect()]
 }
 
 fn output(step: &fem::StepRecord, at: usize) -> f64 {
@@ -286,7 +298,7 @@ fn readings(model: &Model, theta: &[f64], t: usize, plan: &Plan, run: &Run, time
     let index = RunIndex::new(plan, run);
     let mut out = Vec::with_capacity(run.steps.len());
     for (i, step) in run.steps.iter().enumerate() {
-        let force = if late == 0.0 { step.force } else { earlier(plan, &index, run, time[i] - late) };
+        let force = if late == 0.0 { step.along() } else { earlier(plan, &index, run, time[i] - late) };
         out.push(model.sensor_reading(t, theta, &sample(model, t, run, time, i), force));
     }
     out
@@ -297,8 +309,8 @@ fn earlier(plan: &Plan, index: &RunIndex, run: &Run, time: f64) -> f64 {
     let time = time.max(plan.times.first().copied().unwrap_or(0.0));
     let place = plan.place(time, plan.displacement_at(time));
     match plan.stencil(index, run, &place) {
-        Some(s) => s.terms.iter().map(|&(step, w)| w * run.steps[step].force).sum(),
-        None => run.steps.first().map_or(0.0, |s| s.force),
+        Some(s) => s.terms.iter().map(|&(step, w)| w * run.steps[step].along()).sum(),
+        None => run.steps.first().map_or(0.0, fem::StepRecord::along),
     }
 }
 

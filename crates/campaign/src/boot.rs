@@ -37,6 +37,7 @@ fn set(record: &mut Record, channel: Channel, row: usize, value: f64) {
         Channel::GripDisplacement => &mut record.grip_displacement,
         Channel::TearFront => &mut record.tear_front,
         Channel::WidthChange => &mut record.width_change,
+        Channel::ForceX => &mut record.force_x,
     };
     camera.as_mut().and_then(|c| c.get_mut(row)).into_iter().for_each(|c| *c = Some(value));
 }

@@ -1,7 +1,9 @@
 //! An experiment of one's own, from outside the workspace's crates: written, checked, named by a file and run.
 //! `cargo run -p effects --example own_experiment`; docs/adding-an-experiment.md walks through it.
 
-use experiments::{Experiment, Held, Setting, SupportFault, Supports, flat_strip, no_balance, nothing};
+use experiments::{
+    Experiment, Held, Setting, SupportFault, Supports, any_piece, flat_strip, no_balance, nothing,
+};
 use input::{Ends, ExperimentCard, Geometry, Grips, Layout, Test};
 use mesh::{Mesh, MeshError, Strip};
 use model::{Discretisation, Model, Request, RunOptions};
@@ -17,11 +19,13 @@ static CARD: ExperimentCard = ExperimentCard {
     tears: false,
     whole_section: true,
     free_strip: false,
+    two_axes: false,
     channels: &["grip_displacement"],
     ends: &[Ends::Sliding],
     grips: &[Grips::Ends],
     clamped_faces: false,
     shaped: false,
+    objection: any_piece,
     farthest: |g: &Geometry| 0.3 * g.length,
     estimate: nothing,
     balance: no_balance,

@@ -7,6 +7,11 @@ pub fn nothing(_: &Geometry, _: &Record) -> (f64, f64) {
     (0.0, 0.0)
 }
 
+/// The test can be done on any piece.
+pub fn any_piece(_: &Geometry) -> Option<(&'static str, String)> {
+    None
+}
+
 /// The record tells no toughness.
 pub fn no_balance(_: &Geometry, _: &Record) -> Option<Balance> {
     None

@@ -1,6 +1,6 @@
 //! What an experiment is to the model.
 
-use fem::Prescribed;
+use fem::{Prescribed, Reaction, Waypoint};
 use input::{Case, ExperimentCard, Test};
 use mesh::{Mesh, MeshError, Strip};
 
@@ -31,10 +31,26 @@ pub struct Setting<'a> {
     pub coarsen: f64,
 }
 
+/// A folder that runs as it is: what `fct new --experiment` writes.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    /// The specimen file; `NAME` stands for its name.
+    pub specimen: &'static str,
+    /// The config; `NAME` stands for its name.
+    pub config: &'static str,
+    /// Name and text of each record. Synthetic, and said so in it.
+    pub records: &'static [(&'static str, &'static str)],
+}
+
 /// An experiment: a card, and how the piece is meshed and held.
 pub trait Experiment: Send + Sync {
     /// What it says of itself.
     fn card(&self) -> &'static ExperimentCard;
+
+    /// A sample of it, where it has one.
+    fn sample(&self) -> Option<Sample> {
+        None
+    }
 
     /// What is meshed: x along the tear, y across it, extents in mm.
     ///
@@ -48,4 +64,26 @@ pub trait Experiment: Send + Sync {
     /// # Errors
     /// [`SupportFault`] for a mesh without the nodes that are to be held.
     fn supports(&self, mesh: &Mesh, test: &Test) -> Result<Supports, SupportFault>;
+
+    /// The forces that are measured, where they are not the work-conjugate one: along y, then along x.
+    fn reactions(&self, mesh: &Mesh) -> Vec<Reaction> {
+        let _ = mesh;
+        Vec::new()
+    }
+
+    /// Whether the lower face of the tear keeps its direction while the upper one may be folded back over it: openings are
+    /// then split by the normal of the lower face, else by that of the mid-surface.
+    fn one_face_turns(&self) -> bool {
+        false
+    }
+
+    /// Where the held faces pass by while the piece is mounted, where it is turned farther than Newton's method finds in
+    /// one step.
+    ///
+    /// # Errors
+    /// [`SupportFault`].
+    fn waypoints(&self, mesh: &Mesh) -> Result<Vec<Waypoint>, SupportFault> {
+        let _ = mesh;
+        Ok(Vec::new())
+    }
 }

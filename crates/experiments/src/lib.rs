@@ -11,18 +11,26 @@
 //! assert!(tearing.is_some_and(|card| card.tears && card.measures("tear_front")));
 //! ```
 
+mod biaxial;
 mod estimate;
 mod experiment;
 mod flat;
+mod peel;
+mod peel_180;
+mod pure_shear;
 mod registry;
 mod supports;
 mod t_peel;
 mod tearing;
 mod uniaxial;
 
-pub use estimate::{from_area, no_balance, nothing, over_the_torn_area};
-pub use experiment::{Experiment, Setting, SupportFault, Supports};
+pub use biaxial::Biaxial;
+pub use estimate::{any_piece, from_area, no_balance, nothing, over_the_torn_area};
+pub use experiment::{Experiment, Sample, Setting, SupportFault, Supports};
 pub use flat::flat_strip;
+pub use peel::{plateau_balance, plateau_estimate, split_strip};
+pub use peel_180::Peel180;
+pub use pure_shear::PureShear;
 pub use registry::{Experiments, registry};
 pub use supports::{Held, across_the_ends, at_the_mouth};
 pub use t_peel::TPeel;

@@ -1,12 +1,18 @@
 //! The list of all experiments: one line each.
 
-use crate::{Experiment, TPeel, Tearing, Uniaxial};
+use crate::{Biaxial, Experiment, Peel180, PureShear, TPeel, Tearing, Uniaxial};
 use input::{ExperimentRegistry, TestKind};
 use std::sync::Arc;
 
 /// Every experiment this project knows, in the order of the handbook.
 pub fn registry() -> Experiments {
-    Experiments::default().with(Arc::new(Uniaxial)).with(Arc::new(Tearing)).with(Arc::new(TPeel))
+    Experiments::default()
+        .with(Arc::new(Uniaxial))
+        .with(Arc::new(Tearing))
+        .with(Arc::new(TPeel))
+        .with(Arc::new(Peel180))
+        .with(Arc::new(Biaxial))
+        .with(Arc::new(PureShear))
 }
 
 /// Experiments that can be asked by name.

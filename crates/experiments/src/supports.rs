@@ -43,6 +43,11 @@ impl<'a> Held<'a> {
         self.supports[3 * n + c] = Some(Prescribed { grip, mount: 0.0 });
     }
 
+    /// Component `c` of node `n` moves so from where it is mounted, `mount` mm from where it lies.
+    pub fn mount(&mut self, n: usize, c: usize, grip: f64, mount: f64) {
+        self.supports[3 * n + c] = Some(Prescribed { grip, mount });
+    }
+
     /// What was written.
     pub fn done(self) -> Supports {
         self.supports

@@ -40,13 +40,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let point = || (7..11).map(Blend::one).collect::<Vec<_>>();
     let path = Path {
         law: Arc::new(cohesive::Cohesive),
-        rule: interface::Integration::Gauss,
+        rule: interface::Integration::Gauss.into(),
         params: body.cohesive.iter().map(|_| std::array::from_fn(|_| point())).collect(),
         position: vec![[0.5; 4]; body.cohesive.len()],
     };
     let problem = Arc::new(Problem {
         body: Arc::new(body),
         supports: Arc::new(supports),
+        waypoints: Arc::default(),
+        reactions: Arc::default(),
         multiplicity: 4.0,
         bulk: Arc::new(hgo::Hgo::default()),
         bulk_params: (0..7).collect(),

@@ -1,6 +1,6 @@
 //! Zero-thickness 8-node interface element, and its mirrored half.
 //!
-//! Opening Δ from the displacement jump; reference area; the mid-surface normal (deformed) only
+//! Opening Δ from the displacement jump; reference area; the normal of a surface between the faces (deformed) only
 //! splits Δ into normal and tangential parts, and is varied with them: the virtual work
 //! T·δΔ + (t_n Δ_s − δ_n T_s)·δn makes the tangent symmetric and the element free of a spurious
 //! moment in closing. In opening with λ = 1 the second term vanishes.
@@ -27,6 +27,22 @@ impl Integration {
             Self::Gauss => 0.577_350_269_189_625_8,
             Self::Nodal => 1.0,
         }
+    }
+}
+
+/// How an element is evaluated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rule {
+    /// Where the traction is sampled.
+    pub sampling: Integration,
+    /// Share of the upper face in the surface whose normal splits the opening; ½: the mid-surface. Where one face is folded
+    /// back over the other that surface has no normal: the share is then 0, and the normal that of the lower face.
+    pub upper: f64,
+}
+
+impl From<Integration> for Rule {
+    fn from(sampling: Integration) -> Self {
+        Self { sampling, upper: 0.5 }
     }
 }
 
@@ -100,14 +116,15 @@ fn opening<X: Scalar>(
     lower: &[[X; 3]; 4],
     upper: &[[X; 3]; 4],
     s: &ShapeFunctions,
+    share: f64,
 ) -> Opening<X> {
     let r1 = combine(&s.dxi, x);
     let r2 = combine(&s.deta, x);
     let rn = cross(&r1, &r2);
     let area = dot(&rn, &rn).sqrt();
-    let half = X::from(0.5);
+    let [low, up] = [X::from(1.0 - share), X::from(share)];
     let mid: [[X; 3]; 4] =
-        std::array::from_fn(|a| std::array::from_fn(|i| x[a][i] + (lower[a][i] + upper[a][i]) * half));
+        std::array::from_fn(|a| std::array::from_fn(|i| x[a][i] + (lower[a][i] * low + upper[a][i] * up)));
     let g1 = combine(&s.dxi, &mid);
     let g2 = combine(&s.deta, &mid);
     let m = cross(&g1, &g2);
@@ -127,10 +144,11 @@ pub fn openings(
     x: &[[f64; 3]; 4],
     lower: &[[f64; 3]; 4],
     upper: &[[f64; 3]; 4],
-    rule: Integration,
+    rule: impl Into<Rule>,
 ) -> [([f64; 3], f64); POINTS] {
+    let rule = rule.into();
     std::array::from_fn(|q| {
-        let o = opening(x, lower, upper, &shape(q, rule));
+        let o = opening(x, lower, upper, &shape(q, rule.sampling), rule.upper);
         (o.local, o.area)
     })
 }
@@ -146,18 +164,19 @@ pub fn residual<X: Scalar, S: Over<X>>(
     x: &[[X; 3]; 4],
     lower: &[[X; 3]; 4],
     upper: &[[X; 3]; 4],
-    rule: Integration,
+    rule: impl Into<Rule>,
     old: &[S],
     new: &mut [S],
 ) -> [[S; 3]; 8]
 where
     dyn PointLaw<3>: Law<S, 3>,
 {
+    let rule = rule.into();
     let nh = old.len() / POINTS;
     let mut r = [[S::zero(); 3]; 8];
     for q in 0..POINTS {
-        let s = shape(q, rule);
-        let o = opening(x, lower, upper, &s);
+        let s = shape(q, rule.sampling);
+        let o = opening(x, lower, upper, &s, rule.upper);
         let h = q * nh..(q + 1) * nh;
         let local = o.local.map(S::lift);
         let t = law.respond(&ctx[q], &local, &params[q], &old[h.clone()], &mut new[h]).force;
@@ -176,10 +195,10 @@ where
         let w2 = cross(&moment, &g1);
         for a in 0..4 {
             for i in 0..3 {
-                let turn = (w1[i] * s.dxi[a] + w2[i] * s.deta[a]) * 0.5;
+                let turn = w1[i] * s.dxi[a] + w2[i] * s.deta[a];
                 let pull = global[i] * s.n[a];
-                r[a][i] += turn - pull;
-                r[4 + a][i] += turn + pull;
+                r[a][i] += turn * (1.0 - rule.upper) - pull;
+                r[4 + a][i] += turn * rule.upper + pull;
             }
         }
     }
@@ -198,10 +217,11 @@ pub fn tangent(
     params: &[Vec<f64>; POINTS],
     x: &[[f64; 3]; 4],
     u: &[[f64; 3]; 8],
-    rule: Integration,
+    rule: impl Into<Rule>,
     old: &[f64],
     new: &mut [f64],
 ) -> Result<ForceAndTangent, ElementFault> {
+    let rule = rule.into();
     let lifted: [Vec<Jet<8>>; POINTS] =
         std::array::from_fn(|q| params[q].iter().map(|&p| Jet::constant(p)).collect());
     let xj = x.map(|n| n.map(Jet::<8>::constant));
@@ -243,17 +263,18 @@ pub fn mirrored_residual<X: Scalar, S: Over<X>>(
     params: &[Vec<S>; POINTS],
     x: &[[X; 3]; 4],
     uy: &[X; 4],
-    rule: Integration,
+    rule: impl Into<Rule>,
     old: &[S],
     new: &mut [S],
 ) -> [S; 4]
 where
     dyn PointLaw<3>: Law<S, 3>,
 {
+    let Rule { sampling, .. } = rule.into();
     let nh = old.len() / POINTS;
     let mut r = [S::zero(); 4];
     for q in 0..POINTS {
-        let s = shape(q, rule);
+        let s = shape(q, sampling);
         let rn = cross(&combine(&s.dxi, x), &combine(&s.deta, x));
         let area = dot(&rn, &rn).sqrt();
         let mut d = X::zero();
@@ -279,14 +300,15 @@ pub fn mirrored_tangent(
     params: &[Vec<f64>; POINTS],
     x: &[[f64; 3]; 4],
     uy: &[f64; 4],
-    rule: Integration,
+    rule: impl Into<Rule>,
     old: &[f64],
     new: &mut [f64],
 ) -> Result<([f64; 4], [[f64; 4]; 4]), ElementFault> {
+    let Rule { sampling, .. } = rule.into();
     let nh = old.len() / POINTS;
     let (mut r, mut k) = ([0.0; 4], [[0.0; 4]; 4]);
     for q in 0..POINTS {
-        let s = shape(q, rule);
+        let s = shape(q, sampling);
         let rn = cross(&combine(&s.dxi, x), &combine(&s.deta, x));
         let area = dot(&rn, &rn).sqrt();
         let d: f64 = (0..4).map(|a| 2.0 * s.n[a] * uy[a]).sum();

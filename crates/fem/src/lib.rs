@@ -30,7 +30,8 @@ pub use equilibrium::Control;
 pub use error::{ElementFault, FemError};
 pub use newton::NewtonOptions;
 pub use problem::{
-    Blend, Body, CohesiveElement, Link, LocalParams, MountField, Path, Prescribed, Problem, ShapeField,
+    Blend, Body, CohesiveElement, Link, LocalParams, MountField, Path, Prescribed, Problem, Reaction,
+    ShapeField, Waypoint,
 };
 pub use state::{Guess, History, State, gather4, gather8};
 pub use stepping::{Jump, Kept, NoObserver, Observer, Run, StepRecord, SteppingOptions, Target, run_steps};

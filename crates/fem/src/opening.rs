@@ -46,7 +46,7 @@ pub fn of_softening(
         let slopes = slopes(problem, path, local, ctx, state, e);
         let mut nodes = [0.0; 4];
         for (q, (slope, area)) in slopes.into_iter().enumerate() {
-            for (n, share) in nodes.iter_mut().zip(interface::shares(q, path.rule)) {
+            for (n, share) in nodes.iter_mut().zip(interface::shares(q, path.rule.sampling)) {
                 *n += share * area * slope * slope;
             }
         }

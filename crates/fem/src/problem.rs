@@ -1,7 +1,7 @@
 //! What is solved: body, supports, laws, and which parameter goes where.
 
 use crate::error::FemError;
-use crate::interface::{self, Integration};
+use crate::interface::{self, Rule};
 use constitutive::{Context, Over, PointLaw, Scalar};
 use mesh::Mesh;
 use std::sync::Arc;
@@ -53,6 +53,13 @@ pub struct Prescribed {
     pub mount: f64,
 }
 
+/// A point on the way of a piece into the clamps: displacement (mm) of degrees of freedom that are held.
+pub type Waypoint = Vec<(usize, f64)>;
+
+/// A force that is measured: a sum of the forces on held degrees of freedom, (degree of freedom, weight). Faces that the
+/// tear path reaches have none.
+pub type Reaction = Vec<(usize, f64)>;
+
 /// A law parameter at a point: (1 − w) θ_a + w θ_b.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blend {
@@ -79,8 +86,8 @@ impl Blend {
 pub struct Path {
     /// Traction law.
     pub law: Arc<dyn PointLaw<3>>,
-    /// Integration rule.
-    pub rule: Integration,
+    /// How its elements are evaluated.
+    pub rule: Rule,
     /// For each element and point: one entry per law parameter.
     pub params: Vec<[Vec<Blend>; interface::POINTS]>,
     /// For each element and point: position along the path, 0 at the cut, 1 at the far edge.
@@ -121,6 +128,11 @@ pub struct Problem {
     pub body: Arc<Body>,
     /// Per degree of freedom (3 per node): `None` = free.
     pub supports: Arc<Vec<Option<Prescribed>>>,
+    /// Where the held faces pass by while the piece is mounted, in order; the supports are the end of that way. Empty for
+    /// a piece that needs no turning.
+    pub waypoints: Arc<Vec<Waypoint>>,
+    /// Forces that are measured beside the work-conjugate one.
+    pub reactions: Arc<Vec<Reaction>>,
     /// Whole specimen over modelled part: 4 for a quarter model. Scales force and energies.
     pub multiplicity: f64,
     /// Bulk law.

@@ -150,6 +150,8 @@ pub struct Test {
     pub record: Option<Record>,
     /// What the actuator is to do, for a test without a record; never empty.
     pub protocol: Option<Vec<Leg>>,
+    /// Displacement of the second actuator over that of the first; of no account with one axis.
+    pub ratio_x: f64,
     /// Rest before this test, s; `None`: long enough for viscous stresses to be gone.
     pub rest_s: Option<f64>,
     /// Whether the piece was mounted anew before this test, so that rig slip starts at 0.
@@ -158,6 +160,8 @@ pub struct Test {
     pub fresh_piece: bool,
     /// Standard deviation of the force noise, N; `None`: estimated from the record.
     pub force_sd: Option<f64>,
+    /// Standard deviation of the noise of the second force, N; `None`: estimated from the record.
+    pub force_x_sd: Option<f64>,
     /// Standard deviation of the camera's grip displacement, mm; `None`: estimated from the record.
     pub grip_displacement_sd: Option<f64>,
     /// Standard deviation of the camera's tear front, mm; `None`: estimated from the record.
@@ -220,6 +224,10 @@ pub struct Record {
     pub displacement: Vec<f64>,
     /// Load cell force, N.
     pub force: Vec<f64>,
+    /// Second actuator's displacement, mm, of a test with two axes.
+    pub displacement_x: Option<Vec<f64>>,
+    /// Second load cell's force, N.
+    pub force_x: Option<Vec<Option<f64>>>,
     /// The user's name of the segment each row belongs to.
     pub segment: Option<Vec<String>>,
     /// Camera: change of the distance between the clamped edges, mm.
@@ -237,8 +245,8 @@ pub struct Record {
 pub struct Averaged {
     /// Rows of the whole record.
     pub rows: usize,
-    /// Force, grip displacement, tear front, width change.
-    pub channels: [Averages; 4],
+    /// Force, grip displacement, tear front, width change, second force.
+    pub channels: [Averages; 5],
 }
 
 /// What is behind the points of one channel.
@@ -262,13 +270,19 @@ impl Record {
         for column in [&mut self.time, &mut self.displacement, &mut self.force] {
             column.truncate(rows);
         }
-        for camera in [&mut self.grip_displacement, &mut self.tear_front, &mut self.width_change] {
+        self.displacement_x.iter_mut().for_each(|u| u.truncate(rows));
+        for camera in self.measured_beside() {
             camera.iter_mut().for_each(|c| c.truncate(rows));
         }
         self.segment.iter_mut().for_each(|s| s.truncate(rows));
         for channel in self.averaged.iter_mut().flat_map(|a| &mut a.channels) {
             channel.readings.truncate(rows);
         }
+    }
+
+    /// Channels that may have gaps: the camera's, and the second force.
+    pub fn measured_beside(&mut self) -> [&mut Option<Vec<Option<f64>>>; 4] {
+        [&mut self.grip_displacement, &mut self.tear_front, &mut self.width_change, &mut self.force_x]
     }
 
     /// Rows of the record as it was measured.

@@ -48,6 +48,9 @@ pub struct ExperimentCard {
     pub whole_section: bool,
     /// Whether the piece stretches roughly as a free strip does, so that one equation gives starts for the bulk.
     pub free_strip: bool,
+    /// Whether a second actuator pulls along x, and a second load cell measures there: records have `displacement_x` and
+    /// `force_x`, and effects of the one load train and of the one load cell take no part.
+    pub two_axes: bool,
     /// Camera channels that it measures: `grip_displacement`, `tear_front`, `width_change`.
     pub channels: &'static [&'static str],
     /// Which `ends` it can be done with, the default first.
@@ -58,6 +61,8 @@ pub struct ExperimentCard {
     pub clamped_faces: bool,
     /// Whether pieces may have an outline and a thickness profile.
     pub shaped: bool,
+    /// Why the test cannot be done on this piece: a key of `[geometry]`, and what was expected of it; `None` where it can.
+    pub objection: fn(&Geometry) -> Option<(&'static str, String)>,
     /// How far such a test usually goes on this piece where nothing else is known, mm.
     pub farthest: fn(&Geometry) -> f64,
     /// Toughness (N/mm) and strength (MPa) of the order that the record asks for, without finite elements; used where

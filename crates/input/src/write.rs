@@ -169,12 +169,16 @@ fn test(w: &mut Writer, t: &Test, path: &impl Fn(&Record) -> PathBuf) {
         };
         w.line("protocol", &format!("[{}]", legs.iter().map(leg).collect::<Vec<_>>().join(", ")));
     }
+    if t.kind.two_axes && t.protocol.is_some() && t.record.is_none() {
+        w.line("ratio_x", &float(t.ratio_x));
+    }
     w.text("ends", if t.ends == Ends::Clamped { "clamped" } else { "sliding" });
     w.text("grips", if t.grips == Grips::Ends { "ends" } else { "mouth" });
     w.optional("rest", Quantity::Time, t.rest_s);
     w.line("remount", &t.remount.to_string());
     w.line("fresh_piece", &t.fresh_piece.to_string());
     w.optional("force_sd", Quantity::Force, t.force_sd);
+    w.optional("force_x_sd", Quantity::Force, t.force_x_sd);
     w.optional("grip_displacement_sd", Quantity::Length, t.grip_displacement_sd);
     w.optional("tear_front_sd", Quantity::Length, t.tear_front_sd);
     w.optional("width_change_sd", Quantity::Length, t.width_change_sd);

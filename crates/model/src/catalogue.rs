@@ -18,6 +18,9 @@ pub const CLAMPED_ENDS: &str = "clamped ends";
 /// Need of an effect that changes the shape of a sheet in its plane.
 pub const FLAT_SHEET: &str = "a flat sheet";
 
+/// Need of an effect of the load train or of the load cell, whatever its card says: a test has one of each.
+pub const ONE_AXIS: &str = "one axis";
+
 /// Effects, laws and experiments that can be asked by name. Without more being said, laws and experiments are those of
 /// [`laws::registry`] and [`experiments::registry`].
 #[derive(Clone)]
@@ -108,7 +111,8 @@ impl Catalogue {
                 FLAT_SHEET => kind.layout == Layout::Sheet,
                 _ => true,
             };
-            card.needs.iter().all(has) && (card.site != Site::Interface || kind.tears)
+            let axes = !(kind.two_axes && card.site.is_of_one_axis());
+            axes && card.needs.iter().all(has) && (card.site != Site::Interface || kind.tears)
         };
         self.kinds().iter().filter(|k| offered(k)).map(|k| k.word()).collect()
     }

@@ -38,6 +38,13 @@ impl Site {
     }
 }
 
+impl Site {
+    /// Whether it is about the one load train and the one load cell of a test.
+    pub const fn is_of_one_axis(self) -> bool {
+        matches!(self, Self::LoadTrain | Self::Sensor)
+    }
+}
+
 /// Which signs of the amplitude are physical.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sided {

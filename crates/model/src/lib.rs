@@ -14,7 +14,7 @@ mod plan;
 mod predict;
 
 pub use build::{BuildError, Discretisation, Model, TestModel};
-pub use catalogue::{CLAMPED_ENDS, Catalogue, FLAT_SHEET, TEARING};
+pub use catalogue::{CLAMPED_ENDS, Catalogue, FLAT_SHEET, ONE_AXIS, TEARING};
 pub use effect::{
     Action, Bulk, Card, Effect, Interface, Link, Mount, Options, Piece, Reading, Sample, Scales, Screening,
     Sensor, Shape, Sided, Site,

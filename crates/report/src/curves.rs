@@ -90,9 +90,9 @@ fn measured_curves(done: &Identified) -> Vec<Curve> {
                 }
                 column
             };
-            let word = slot.channel.word();
-            curve.columns.push((format!("{word}_measured_mm"), spread(&block.measured)));
-            curve.columns.push((format!("{word}_model_mm"), spread(model)));
+            let (word, unit) = (slot.channel.word(), slot.channel.unit());
+            curve.columns.push((format!("{word}_measured_{unit}"), spread(&block.measured)));
+            curve.columns.push((format!("{word}_model_{unit}"), spread(model)));
         }
     }
     out
@@ -105,6 +105,10 @@ pub fn simulated_curve(name: &str, t: &TestCurve) -> Curve {
         column("grip_displacement_mm", &t.grip_displacement_mm),
         column("width_change_mm", &t.width_change_mm),
     ];
+    if !t.force_x_N.is_empty() {
+        columns.push(column("displacement_x_mm", &t.displacement_x_mm));
+        columns.push(column("force_x_N", &t.force_x_N));
+    }
     if !t.tear_front_mm.is_empty() {
         columns.push(column("tear_front_mm", &t.tear_front_mm));
     }

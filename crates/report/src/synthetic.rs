@@ -32,18 +32,26 @@ pub fn synthetic_files(
 
 /// A record: time must grow, so of two answers at one time (a jump) the later one stands.
 fn record(curve: &TestCurve, share: f64, random: &mut Random) -> Result<Vec<u8>, ReportError> {
-    let peak = peak(curve);
     let n = curve.time_s.len();
-    let noisy: Vec<f64> = curve.force_N.iter().map(|f| f + share * peak * random.normal()).collect();
+    let mut with_noise = |forces: &[f64]| -> Vec<f64> {
+        let peak = peak(forces);
+        forces.iter().map(|f| f + share * peak * random.normal()).collect()
+    };
+    let mut names = vec!["time_s", "displacement_mm", "force_N"];
+    let mut columns = vec![curve.time_s.clone(), curve.displacement_mm.clone(), with_noise(&curve.force_N)];
+    if !curve.force_x_N.is_empty() {
+        names.extend(["displacement_x_mm", "force_x_N"]);
+        columns.extend([curve.displacement_x_mm.clone(), with_noise(&curve.force_x_N)]);
+    }
     let rows = (0..n).filter(|&i| i + 1 == n || curve.time_s[i + 1] > curve.time_s[i] + 1e-9);
     table(
-        ["time_s", "displacement_mm", "force_N"].map(str::to_owned).to_vec(),
-        rows.map(|i| [curve.time_s[i], curve.displacement_mm[i], noisy[i]].map(neat).to_vec()),
+        names.into_iter().map(str::to_owned).collect(),
+        rows.map(|i| columns.iter().map(|c| neat(c[i])).collect::<Vec<_>>()),
     )
 }
 
-fn peak(curve: &TestCurve) -> f64 {
-    curve.force_N.iter().fold(0.0f64, |m, f| m.max(f.abs()))
+fn peak(forces: &[f64]) -> f64 {
+    forces.iter().fold(0.0f64, |m, f| m.max(f.abs()))
 }
 
 /// Nine decimals: no instrument has more, and sums of steps keep their round numbers.
@@ -63,8 +71,11 @@ fn specimen(case: &Case, answer: &SimulateAnswer, share: f64, seed: u64) -> Stri
         test.record = None;
         test.protocol = None;
         // The noise is known here; a coarse record may be too short to estimate it from.
-        let sd = answer.tests.get(&test.name).map(|curve| share * peak(curve));
-        test.force_sd = sd.filter(|sd| *sd > 0.0);
+        let sd = |of: fn(&TestCurve) -> &Vec<f64>| {
+            let sd = answer.tests.get(&test.name).map(|curve| share * peak(of(curve)));
+            sd.filter(|sd| *sd > 0.0)
+        };
+        (test.force_sd, test.force_x_sd) = (sd(|c| &c.force_N), sd(|c| &c.force_x_N));
     }
     let whole = resolved_toml(&bare);
     let mut out = String::new();

@@ -131,6 +131,7 @@ fn restricted(r: &TestRun, columns: std::ops::Range<usize>, ids: &[usize]) -> Te
                     force: cut(&d.force),
                     grip: cut(&d.grip),
                     actuator: cut(&d.actuator),
+                    reactions: d.reactions.iter().map(|r| cut(r)).collect(),
                     extra: d.extra.iter().map(|e| cut(e)).collect(),
                 },
                 ..s.clone()

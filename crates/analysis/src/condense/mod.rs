@@ -135,6 +135,9 @@ fn condensed_to(whole: &Whole, wider: usize) -> (Record, Option<NoiseEstimate>) 
     out.grip_displacement = camera(&record.grip_displacement);
     out.tear_front = camera(&record.tear_front);
     out.width_change = camera(&record.width_change);
+    out.force_x = camera(&record.force_x);
+    out.displacement_x =
+        record.displacement_x.as_ref().map(|x| bins.iter().map(|b| mean(&b.rows, x)).collect());
     let all = Channel::ALL.map(|channel| weights::averages(whole, &out, channel, &bins));
     let noise = all[0].1;
     out.averaged = Some(Averaged { rows: record.len(), channels: all.map(|a| a.0) });

@@ -125,6 +125,8 @@ pub(super) fn record(legs: &[Leg], camera: bool, kind: TestKind) -> Record {
         grip_displacement: channel(kind.measures("grip_displacement")),
         tear_front: channel(kind.measures("tear_front")),
         width_change: channel(kind.measures("width_change")),
+        force_x: kind.two_axes.then(|| vec![Some(0.0); n]),
+        displacement_x: kind.two_axes.then(|| displacement.clone()),
         time,
         displacement,
         ..Record::default()

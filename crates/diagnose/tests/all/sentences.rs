@@ -1,8 +1,6 @@
 //! What is said to a user: every kind of sentence, whole, with the numbers that belong in it.
 #![allow(missing_docs)]
 
-use crate::tables;
-
 use diagnose::atlas::SegmentMisfit;
 use diagnose::dependence::Dependence;
 use diagnose::*;

@@ -1,8 +1,8 @@
 #![doc = include_str!("README.md")]
 
 use crate::{
-    Experiment, Setting, SupportFault, Supports, across_the_ends, at_the_mouth, flat_strip, from_area,
-    over_the_torn_area,
+    Experiment, Setting, SupportFault, Supports, across_the_ends, any_piece, at_the_mouth, flat_strip,
+    from_area, over_the_torn_area,
 };
 use input::{Ends, ExperimentCard, Geometry, Grips, Layout, Test};
 use mesh::{Mesh, MeshError, Strip};
@@ -17,11 +17,13 @@ static CARD: ExperimentCard = ExperimentCard {
     tears: true,
     whole_section: true,
     free_strip: false,
+    two_axes: false,
     channels: &["grip_displacement", "tear_front"],
     ends: &[Ends::Clamped, Ends::Sliding],
     grips: &[Grips::Ends, Grips::Mouth],
     clamped_faces: true,
     shaped: true,
+    objection: any_piece,
     farthest: |g: &Geometry| FARTHEST * g.length,
     estimate: from_area,
     balance: over_the_torn_area,

@@ -1,8 +1,8 @@
 #![doc = include_str!("README.md")]
 
 use crate::{
-    Experiment, Setting, SupportFault, Supports, across_the_ends, at_the_mouth, flat_strip, no_balance,
-    nothing,
+    Experiment, Setting, SupportFault, Supports, across_the_ends, any_piece, at_the_mouth, flat_strip,
+    no_balance, nothing,
 };
 use input::{Ends, ExperimentCard, Geometry, Grips, Layout, Test};
 use mesh::{Mesh, MeshError, Strip};
@@ -17,11 +17,13 @@ static CARD: ExperimentCard = ExperimentCard {
     tears: false,
     whole_section: true,
     free_strip: true,
+    two_axes: false,
     channels: &["grip_displacement", "width_change"],
     ends: &[Ends::Clamped, Ends::Sliding],
     grips: &[Grips::Ends, Grips::Mouth],
     clamped_faces: true,
     shaped: true,
+    objection: any_piece,
     farthest: |g: &Geometry| STRETCH * g.length,
     estimate: nothing,
     balance: no_balance,

@@ -1,4 +1,7 @@
 //! Experiments against the closed forms of their steady states.
 
+mod biaxial;
 mod common;
 mod peel;
+mod peel_180;
+mod shear;

@@ -159,6 +159,7 @@ where
     fn total(&mut self, stage: &Stage, border: &Border, solution: &[f64]) -> (Vec<f64>, StepDerivatives) {
         let (d_grip, d_act, d_force) = self.close_border(stage, border, solution);
         let u = self.total_u(stage, border, solution, &d_grip);
+        let reactions = self.reactions(stage, &u);
         self.moved = false;
         if !self.path.is_empty() {
             let new = self.path_forces(stage, &u).1;
@@ -195,6 +196,7 @@ where
                 force: take(d_force),
                 grip: take(d_grip),
                 actuator: take(d_act),
+                reactions: reactions.into_iter().map(take).collect(),
                 extra: Vec::new(),
             },
         )

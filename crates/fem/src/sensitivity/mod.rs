@@ -51,8 +51,17 @@ pub struct StepDerivatives {
     pub grip: Vec<f64>,
     /// du_actuator/dθ (path steps only; zero at a held actuator).
     pub actuator: Vec<f64>,
+    /// Derivatives of the measured forces: `reactions[reaction][column]`, N per unit.
+    pub reactions: Vec<Vec<f64>>,
     /// Derivatives of the observer's extra outputs: `extra[output][column]`.
     pub extra: Vec<Vec<f64>>,
+}
+
+impl StepDerivatives {
+    /// Derivatives of [`crate::StepRecord::along`].
+    pub fn along(&self) -> &[f64] {
+        self.reactions.first().unwrap_or(&self.force)
+    }
 }
 
 /// A set of derivative columns propagated through a run.

@@ -5,6 +5,7 @@ use crate::hex8;
 use crate::interface;
 use constitutive::{Jet, Law, PointLaw};
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 fn gather<const N: usize, const W: usize>(u: &[Jet<W>], nodes: &[usize; N]) -> [[Jet<W>; 3]; N] {
     nodes.map(|n| [u[3 * n], u[3 * n + 1], u[3 * n + 2]])
@@ -91,22 +92,26 @@ where
 
     /// Residual jets of all bricks and their new history, with displacements `u`.
     pub(super) fn bricks_total(&self, stage: &Stage, u: &[Jet<W>]) -> BrickForces<W> {
-        self.bricks(|e, h, old, new| {
-            let geo = if self.in_shape {
-                hex8::geometry(&array::<8, W>(&self.node_positions(h)))
-            } else {
-                lift_geometry(&stage.system.geometry()[e])
-            };
-            hex8::residual::<Jet<W>, Jet<W>>(
-                &*self.problem.bulk,
-                &stage.ctx,
-                &self.local.bulk,
-                &geo,
-                &gather(u, h),
-                old,
-                new,
-            )
-        })
+        self.bricks(|e, h, old, new| self.brick_total(stage, u, e, h, old, new))
+    }
+
+    /// The same of one brick.
+    fn brick_total(
+        &self,
+        stage: &Stage,
+        u: &[Jet<W>],
+        e: usize,
+        nodes: &[usize; 8],
+        old: &[Jet<W>],
+        new: &mut [Jet<W>],
+    ) -> [[Jet<W>; 3]; 8] {
+        let geo = if self.in_shape {
+            hex8::geometry(&array::<8, W>(&self.node_positions(nodes)))
+        } else {
+            lift_geometry(&stage.system.geometry()[e])
+        };
+        let (bulk, at) = (&*self.problem.bulk, gather(u, nodes));
+        hex8::residual::<Jet<W>, Jet<W>>(bulk, &stage.ctx, &self.local.bulk, &geo, &at, old, new)
     }
 
     /// The same with constant displacements and positions: kinematics in plain numbers.
@@ -122,6 +127,36 @@ where
                 new,
             )
         })
+    }
+
+    /// Derivatives of the measured forces, of the whole specimen, with displacements `u` and the history before the step.
+    pub(super) fn reactions(&self, stage: &Stage, u: &[Jet<W>]) -> Vec<[f64; W]> {
+        let reactions = &self.problem.reactions;
+        if reactions.is_empty() {
+            return Vec::new();
+        }
+        let nh = self.bulk.len() / self.problem.body.hexes.len().max(1);
+        let weights: Vec<HashMap<usize, f64>> =
+            reactions.iter().map(|r| r.iter().copied().collect()).collect();
+        let mut out = vec![[0.0; W]; reactions.len()];
+        for (e, h) in self.problem.body.hexes.iter().enumerate() {
+            let held =
+                |w: &HashMap<usize, f64>| h.iter().any(|n| (0..3).any(|i| w.contains_key(&(3 * n + i))));
+            if !weights.iter().any(held) {
+                continue;
+            }
+            let old = &self.bulk[e * nh..(e + 1) * nh];
+            let forces = self.brick_total(stage, u, e, h, old, &mut old.to_vec());
+            for (w, out) in weights.iter().zip(&mut out) {
+                for (a, n) in h.iter().enumerate() {
+                    for (i, force) in forces[a].iter().enumerate() {
+                        let share = self.problem.multiplicity * w.get(&(3 * n + i)).copied().unwrap_or(0.0);
+                        out.iter_mut().zip(&force.eps).for_each(|(d, f)| *d += share * f);
+                    }
+                }
+            }
+        }
+        out
     }
 
     /// New history of all bricks with displacements `u` and constant positions.

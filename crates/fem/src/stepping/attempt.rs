@@ -34,7 +34,7 @@ impl Stepping<'_> {
         let mut converged = match solved {
             Ok(c) => c,
             // A bad guess is no reason to cut the step: once more from the last state.
-            Err(_) if moved || guessed => {
+            Err(_) if (moved || guessed) && !(self.run.steps.is_empty() && self.mounts_by_waypoints()) => {
                 fresh = self.state.clone();
                 self.newton(ctx, Control::Actuator(actuator), &mut fresh)?
             }

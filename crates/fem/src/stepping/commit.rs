@@ -32,6 +32,9 @@ pub(crate) fn fresh_commit(
     border: &Border,
 ) -> Result<(), FemError> {
     let arc = along.map(|a| a.held);
+    // Before the derivatives: they leave the elements as they are.
+    let whole = m.problem.multiplicity;
+    let reactions = m.system.reactions(m.problem).into_iter().map(|r| whole * r).collect();
     let ctx = Context { time, ..m.context(dt) };
     let (derivatives, gradient) = differentiate(m, &fresh, ctx, arc, border)?;
     let slope = m.actuator_slope(border, &fresh);
@@ -45,6 +48,7 @@ pub(crate) fn fresh_commit(
         actuator: fresh.actuator,
         grip: fresh.grip,
         force: fresh.force,
+        reactions,
         slope,
         iterations,
         negative_pivots: m.system.factor.negative_pivots(),
@@ -124,16 +128,21 @@ fn differentiate(
         all.force.extend(d.force);
         all.grip.extend(d.grip);
         all.actuator.extend(d.actuator);
-        let extra = m.observer.derive(fresh, &du, k);
-        if all.extra.is_empty() {
-            all.extra = extra;
-        } else {
-            for (a, e) in all.extra.iter_mut().zip(extra) {
-                a.extend(e);
-            }
-        }
+        append(&mut all.reactions, d.reactions);
+        append(&mut all.extra, m.observer.derive(fresh, &du, k));
     }
     Ok((all, gradient))
+}
+
+/// More columns of every output.
+fn append(all: &mut Vec<Vec<f64>>, more: Vec<Vec<f64>>) {
+    if all.is_empty() {
+        *all = more;
+        return;
+    }
+    for (a, e) in all.iter_mut().zip(more) {
+        a.extend(e);
+    }
 }
 
 /// Work of a force over a step, ∫F du, with both as cubics of the arc (Hermite): values, and rates of the

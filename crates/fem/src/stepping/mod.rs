@@ -145,6 +145,10 @@ impl Stepping<'_> {
         let mut lost = false;
         // Where neither travel nor time leads there is only the mounting to cut.
         let mut mounting = travel == 0.0 && target.dt == 0.0;
+        if travel == 0.0 && guess.is_none() && self.mounts_by_waypoints() && self.run.steps.is_empty() {
+            guess = self.mounted_in_parts();
+            mounting = guess.is_none();
+        }
         loop {
             let end = (done + share).min(1.0);
             let last = end > 1.0 - 1e-12;

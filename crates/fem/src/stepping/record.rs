@@ -36,6 +36,8 @@ pub struct StepRecord {
     pub grip: f64,
     /// Force, N.
     pub force: f64,
+    /// The problem's measured forces, N (whole specimen).
+    pub reactions: Vec<f64>,
     /// dF/du_actuator, N/mm.
     pub slope: f64,
     /// Newton iterations.
@@ -80,4 +82,12 @@ pub struct Run {
     pub last: Option<State>,
     /// Why the run ended before its plan did.
     pub failure: Option<FemError>,
+}
+
+impl StepRecord {
+    /// What the first load cell measures, N: the first of the measured forces, where there are such, else the
+    /// work-conjugate force.
+    pub fn along(&self) -> f64 {
+        self.reactions.first().copied().unwrap_or(self.force)
+    }
 }

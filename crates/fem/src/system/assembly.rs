@@ -7,10 +7,11 @@ use super::{NONE, Pressures, SKIP, System};
 use crate::error::ElementFault;
 use crate::hex8;
 use crate::interface;
-use crate::problem::{LocalParams, Problem};
+use crate::problem::{LocalParams, Problem, Reaction};
 use crate::state::{History, gather4, gather8};
 use constitutive::Context;
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// Elements evaluated together by one task.
 const GRAIN: usize = 16;
@@ -153,6 +154,19 @@ impl System {
                 }
             }
         }
+    }
+
+    /// The measured forces at the last evaluation, of the modelled part, N.
+    pub fn reactions(&self, problem: &Problem) -> Vec<f64> {
+        let one = |reaction: &Reaction| {
+            let weights: HashMap<usize, f64> = reaction.iter().copied().collect();
+            let forces =
+                self.elements.iter().zip(&problem.body.hexes).flat_map(|(el, h)| {
+                    el.residual.iter().enumerate().map(|(i, r)| (3 * h[i / 3] + i % 3, *r))
+                });
+            forces.filter_map(|(dof, r)| Some(weights.get(&dof)? * r)).sum()
+        };
+        problem.reactions.iter().map(one).collect()
     }
 
     fn add_grip_coupling(&mut self, nodes: &[usize; 8], e: usize) {

@@ -16,7 +16,7 @@ const FEWEST: usize = 3;
 /// What was expected, for messages.
 const WHAT: &str = "a record, a CSV file with the header `time_s,displacement_mm,force_N`";
 
-const COLUMNS: [Column; 7] = [
+const COLUMNS: [Column; 9] = [
     Column { name: "time", quantity: Time, required: true },
     Column { name: "displacement", quantity: Length, required: true },
     Column { name: "force", quantity: Force, required: true },
@@ -24,6 +24,8 @@ const COLUMNS: [Column; 7] = [
     Column { name: "grip_displacement", quantity: Length, required: false },
     Column { name: "tear_front", quantity: Length, required: false },
     Column { name: "width_change", quantity: Length, required: false },
+    Column { name: "force_x", quantity: Force, required: false },
+    Column { name: "displacement_x", quantity: Length, required: false },
 ];
 
 /// Reads a record. Faults go to the sink; `None` if there were any.
@@ -100,6 +102,8 @@ impl<'a> Rows<'a> {
             grip_displacement: camera(4),
             tear_front: camera(5),
             width_change: camera(6),
+            force_x: camera(7),
+            displacement_x: found[8].as_ref().map(|_| Vec::new()),
             ..Record::default()
         };
         Self { file, found, record, seen: 0, last: None }
@@ -121,9 +125,10 @@ impl<'a> Rows<'a> {
         if let (Some(column), Some(segment)) = (&self.found[3], &mut self.record.segment) {
             segment.push(row[column.index].text.trim().to_owned());
         }
-        let r = &mut self.record;
-        let cameras = [&mut r.grip_displacement, &mut r.tear_front, &mut r.width_change];
-        for (column, channel) in self.found[4..].iter().zip(cameras) {
+        if let (Some(column), Some(across)) = (&self.found[8], &mut self.record.displacement_x) {
+            across.extend(number(&row[column.index], column, faults));
+        }
+        for (column, channel) in self.found[4..8].iter().zip(self.record.measured_beside()) {
             if let (Some(column), Some(channel)) = (column, channel) {
                 let cell = &row[column.index];
                 let measured = !cell.text.is_empty();
@@ -190,6 +195,7 @@ fn plausible(file: &SourceFile, sink: &Sink, record: &Record) -> bool {
         ("grip_displacement_mm", &record.grip_displacement),
         ("tear_front_mm", &record.tear_front),
         ("width_change_mm", &record.width_change),
+        ("force_x_N", &record.force_x),
     ];
     for (name, channel) in cameras {
         if channel.as_ref().is_some_and(|c| c.iter().all(Option::is_none)) {

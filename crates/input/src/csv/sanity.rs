@@ -79,6 +79,8 @@ fn columns(record: &Record) -> Vec<(&'static str, Vec<Option<f64>>, f64)> {
         ("tear_front", &record.tear_front),
         ("width_change", &record.width_change),
     ];
+    out.extend(record.force_x.iter().map(|c| ("force_x", c.clone(), force)));
+    out.extend(record.displacement_x.iter().map(|u| ("displacement_x", all(u), length)));
     out.extend(cameras.into_iter().filter_map(|(name, c)| Some((name, c.clone()?, length))));
     out
 }

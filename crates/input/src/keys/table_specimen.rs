@@ -139,6 +139,18 @@ pub(super) fn tests(b: &mut Builder) {
             "standard deviation of the force noise; 1e-6 to 10 times the record's largest value",
         )
         .key(
+            "ratio_x",
+            number(Dimensionless, Limits::within(-10.0, 10.0)),
+            Fallback::Number(1.0),
+            "two axes, without `data`: displacement along x over that along y",
+        )
+        .key(
+            "force_x_sd",
+            sd(Force),
+            absent("estimated from the record"),
+            "standard deviation of the noise of the second force; 1e-6 to 10 times the record's largest value",
+        )
+        .key(
             "grip_displacement_sd",
             sd(Length),
             absent("estimated from the record"),

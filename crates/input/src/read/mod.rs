@@ -1,5 +1,6 @@
 //! From files to a [`Case`].
 
+mod axes;
 mod effects;
 mod laws;
 mod model;

@@ -14,8 +14,9 @@ pub(crate) const LARGEST_SHARE: f64 = 10.0;
 /// Reports every given standard deviation that its channel cannot have.
 pub(super) fn check_noise(s: &Section<'_>, test: &Test, record: &Record) {
     let camera = |c: &Option<Vec<Option<f64>>>| c.iter().flatten().flatten().copied().collect();
-    let channels: [(&str, Option<f64>, Vec<f64>); 4] = [
+    let channels: [(&str, Option<f64>, Vec<f64>); 5] = [
         ("force_sd", test.force_sd, record.force.clone()),
+        ("force_x_sd", test.force_x_sd, camera(&record.force_x)),
         ("grip_displacement_sd", test.grip_displacement_sd, camera(&record.grip_displacement)),
         ("tear_front_sd", test.tear_front_sd, camera(&record.tear_front)),
         ("width_change_sd", test.width_change_sd, camera(&record.width_change)),

@@ -108,6 +108,14 @@ pub(crate) fn check_fit(top: &Section<'_>, geometry: &Geometry, tests: &[Test]) 
             format!("`path_y` is {} mm; expected less than the {y}, {} mm", plain(at), plain(along));
         s.fault("path_y", message);
     }
+    // A key that is itself wrong was said so; what the test then makes of it would only be noise.
+    let good = geometry.cut.is_finite() && geometry.thickness > 0.0;
+    for test in tests.iter().filter(|_| good) {
+        if let Some((key, why)) = (test.kind.objection)(geometry) {
+            let (word, spelt) = (test.kind.word(), s.spelling(key));
+            s.fault(key, format!("`{spelt}`: a `{word}` test {why}"));
+        }
+    }
     for test in tests.iter().filter(|t| !t.kind.shaped) {
         for (key, given) in [
             ("outline", geometry.outline.is_some()),

@@ -1,5 +1,6 @@
 //! `[[tests]]`
 
+use super::axes;
 use super::noise::check_noise;
 use super::scalar;
 use super::section::{Context, Section};
@@ -53,12 +54,15 @@ pub(crate) fn tests(top: &Section<'_>, geometry: &Geometry) -> Vec<Test> {
 
 fn test(s: &Section<'_>, geometry: &Geometry) -> Option<Test> {
     let kind = kind(s)?;
+    let record = record(s);
     let test = Test {
         name: String::new(),
         kind,
+        ratio_x: axes::ratio(s, kind, record.as_ref()),
+        force_x_sd: s.optional_number("force_x_sd"),
         ends: offered(s, "ends", kind, &[Ends::Clamped, Ends::Sliding], kind.ends),
         grips: offered(s, "grips", kind, &[Grips::Ends, Grips::Mouth], kind.grips),
-        record: record(s),
+        record,
         protocol: protocol(s),
         rest_s: s.optional_number("rest"),
         remount: s.flag("remount"),

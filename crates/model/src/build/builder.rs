@@ -4,7 +4,7 @@ use super::turned::turned;
 use super::{Active, BaseLaws, BuildError, Discretisation, TestModel};
 use crate::catalogue::{Catalogue, FLAT_SHEET};
 use crate::effect::{Action, Bulk, Interface, Piece};
-use experiments::{Experiment, Setting};
+use experiments::{Experiment, Setting, SupportFault};
 use fem::{Blend, Body, Link, Path, Problem};
 use input::{Case, Geometry, Layout, Profile, Test, Value};
 use mesh::Mesh;
@@ -173,15 +173,19 @@ impl Builder {
             .and_then(|strip| mesh::strip(&strip))
             .map_err(|source| BuildError::mesh(case, &test.name, source))?;
         let body = Arc::new(Body::of(&mesh));
-        let supports = experiment.supports(&mesh, test).map_err(|fault| {
+        let no_set = |fault: SupportFault| {
             BuildError::Case(format!("test {}: the mesh has no `{}`", test.name, fault.set))
-        })?;
+        };
+        let supports = experiment.supports(&mesh, test).map_err(no_set)?;
+        let waypoints = experiment.waypoints(&mesh).map_err(no_set)?;
         let multiplicity =
             if mesh.half_height { 2.0 } else { 1.0 } * if mesh.half_thickness { 2.0 } else { 1.0 };
-        let path = test.kind.tears.then(|| self.path(case, &mesh, &body));
+        let path = test.kind.tears.then(|| self.path(case, &mesh, &body, experiment.one_face_turns()));
         let mut template = Problem {
             body,
             supports: Arc::new(supports),
+            waypoints: Arc::new(waypoints),
+            reactions: Arc::new(experiment.reactions(&mesh)),
             multiplicity,
             bulk: turned(&self.bulk, test.kind.layout),
             bulk_params: self.bulk_params.clone(),
@@ -195,6 +199,7 @@ impl Builder {
         let (mut shapes, mut mounts, mut sensors) = (Vec::new(), Vec::new(), Vec::new());
         for a in self.active.iter().filter(|a| !a.idle) {
             match a.effect.act(&a.options, &piece) {
+                _ if test.kind.two_axes && a.effect.card().site.is_of_one_axis() => {}
                 Action::Mount(_) if !test.kind.clamped_faces => {}
                 Action::Shape(_) if !flat && a.effect.card().needs.contains(&FLAT_SHEET) => {}
                 Action::Train(law) => template.train.push(Link { law, params: a.params.clone() }),
@@ -218,21 +223,23 @@ impl Builder {
         })
     }
 
-    /// Law and parameters of every point of the tear path.
-    fn path(&self, case: &Case, mesh: &Mesh, body: &Body) -> Path {
+    /// Law and parameters of every point of the tear path; `one_turns`: its lower face keeps its direction.
+    fn path(&self, case: &Case, mesh: &Mesh, body: &Body, one_turns: bool) -> Path {
         let m = case.interface.areas;
-        let rule = match case.solver.integration {
+        let sampling = match case.solver.integration {
             input::Integration::Gauss => fem::interface::Integration::Gauss,
             input::Integration::Nodal => fem::interface::Integration::Nodal,
         };
+        let rule = fem::interface::Rule { sampling, upper: if one_turns { 0.0 } else { 0.5 } };
         let left = mesh.interfaces.iter().flat_map(|i| i.x).fold(f64::MAX, f64::min) - mesh.cut;
         let span = mesh.path_width - mesh.cut;
         let mut params = Vec::new();
         let mut position = Vec::new();
         for (e, el) in body.cohesive.iter().enumerate() {
             let nodes = el.lower.map(|n| mesh.nodes[n]);
-            let at: [f64; 4] =
-                std::array::from_fn(|q| (fem::interface::point_x(&nodes, q, rule) - left - mesh.cut) / span);
+            let at: [f64; 4] = std::array::from_fn(|q| {
+                (fem::interface::point_x(&nodes, q, sampling) - left - mesh.cut) / span
+            });
             let area = mesh.area(e, m);
             let point = |q: usize| -> Vec<Blend> {
                 let (a, b, w) = match case.interface.profile {

@@ -13,11 +13,14 @@ pub enum Channel {
     TearFront,
     /// Camera: change of width, mm.
     WidthChange,
+    /// Load cell of the second axis, N.
+    ForceX,
 }
 
 impl Channel {
     /// All, force first.
-    pub const ALL: [Self; 4] = [Self::Force, Self::GripDisplacement, Self::TearFront, Self::WidthChange];
+    pub const ALL: [Self; 5] =
+        [Self::Force, Self::GripDisplacement, Self::TearFront, Self::WidthChange, Self::ForceX];
 
     /// Word in block names.
     pub const fn word(self) -> &'static str {
@@ -26,6 +29,15 @@ impl Channel {
             Self::GripDisplacement => "grip_displacement",
             Self::TearFront => "tear_front",
             Self::WidthChange => "width_change",
+            Self::ForceX => "force_x",
+        }
+    }
+
+    /// Unit of its numbers.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Force | Self::ForceX => "N",
+            Self::GripDisplacement | Self::TearFront | Self::WidthChange => "mm",
         }
     }
 
@@ -39,6 +51,7 @@ impl Channel {
             Self::GripDisplacement => some(&record.grip_displacement),
             Self::TearFront => some(&record.tear_front),
             Self::WidthChange => some(&record.width_change),
+            Self::ForceX => some(&record.force_x),
         }
     }
 }

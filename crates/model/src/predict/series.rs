@@ -9,6 +9,9 @@ use crate::plan::{Place, RunIndex};
 use fem::{FemError, Run};
 use input::Record;
 
+/// The second of the measured forces of a test with two axes.
+const ACROSS: usize = 1;
+
 /// Predicted channel values at the rows of a record.
 #[derive(Clone, Debug, Default)]
 pub struct Series {
@@ -85,8 +88,8 @@ impl Model {
             let mut by = vec![0.0; k];
             for &(step, w) in &s.terms {
                 let record = &run.run.steps[step];
-                value += w * record.force;
-                for (b, d) in by.iter_mut().zip(&record.derivatives.force) {
+                value += w * record.along();
+                for (b, d) in by.iter_mut().zip(record.derivatives.along()) {
                     *b += w * d;
                 }
             }
@@ -146,6 +149,10 @@ impl Model {
                     (r.grip - zero, d)
                 }
                 Channel::TearFront => self.front(run, theta, r),
+                Channel::ForceX => {
+                    let d = r.derivatives.reactions.get(ACROSS).cloned().unwrap_or_else(|| vec![0.0; k]);
+                    (r.reactions.get(ACROSS).copied().unwrap_or_default(), d)
+                }
                 _ => {
                     let at = camera::output::WIDTH_CHANGE;
                     let zero = first.map_or(0.0, |f| f.extra[at]);

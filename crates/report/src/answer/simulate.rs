@@ -38,6 +38,12 @@ pub struct TestCurve {
     pub displacement_mm: Vec<f64>,
     /// Load cell, N.
     pub force_N: Vec<f64>,
+    /// Second actuator, mm; empty for a test with one axis.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub displacement_x_mm: Vec<f64>,
+    /// Second load cell, N; empty for a test with one axis.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub force_x_N: Vec<f64>,
     /// Camera: change of distance between the clamped edges, mm.
     pub grip_displacement_mm: Vec<f64>,
     /// Camera: tear front, mm; empty for an intact strip.
@@ -133,6 +139,8 @@ impl TestCurve {
             time_s: t.time.clone(),
             displacement_mm: t.displacement.clone(),
             force_N: t.force.clone(),
+            displacement_x_mm: t.across[0].clone(),
+            force_x_N: t.across[1].clone(),
             grip_displacement_mm: t.grip_displacement.clone(),
             tear_front_mm: t.tear_front.clone(),
             width_change_mm: t.width_change.clone(),

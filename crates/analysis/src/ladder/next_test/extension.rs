@@ -135,7 +135,7 @@ fn cameras(tests: &[(usize, &Test, &Record)]) -> Vec<Extension> {
                     Channel::GripDisplacement => record.grip_displacement = empty,
                     Channel::TearFront => record.tear_front = empty,
                     Channel::WidthChange => record.width_change = empty,
-                    Channel::Force => {}
+                    Channel::Force | Channel::ForceX => {}
                 }
                 Part { test: *i, record, channel, rows, sd: Some(sd) }
             })
@@ -193,10 +193,21 @@ fn run(leg: &Leg, record: &mut Record, interval: f64) -> f64 {
         record.time.push(t0 + share * seconds);
         record.displacement.push(u0 + share * (to - u0));
         record.force.push(0.0);
-        for camera in [&mut record.grip_displacement, &mut record.tear_front, &mut record.width_change] {
-            camera.iter_mut().for_each(|c| c.push(None));
+        // In proportion, as the record was until here.
+        let ratio = ratio_of(record);
+        record.displacement_x.iter_mut().for_each(|x| x.push(ratio * (u0 + share * (to - u0))));
+        for channel in record.measured_beside() {
+            channel.iter_mut().for_each(|c| c.push(None));
         }
         record.segment.iter_mut().for_each(|s| s.push("added".into()));
     }
     seconds
+}
+
+/// Displacement of the second axis over that of the first, at the largest of the first.
+fn ratio_of(record: &Record) -> f64 {
+    let u = &record.displacement;
+    let largest = (0..u.len()).max_by(|a, b| u[*a].abs().total_cmp(&u[*b].abs()));
+    let at = |k: usize| record.displacement_x.as_ref()?.get(k).map(|x| x / u[k]);
+    largest.and_then(at).filter(|r| r.is_finite()).unwrap_or_default()
 }

@@ -17,6 +17,27 @@ pub fn run(text: &str) -> SimulatedTest {
     test
 }
 
+/// The case of a file's text, and the catalogue it was read with.
+pub fn case_of(text: &str) -> (input::Case, model::Catalogue) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("case.toml");
+    std::fs::write(&path, text).expect("written");
+    let catalogue = effects::catalogue();
+    let case = input::read_case(&path, &catalogue).unwrap_or_else(|e| panic!("{e}"));
+    (case, catalogue)
+}
+
+/// What is said of a file that cannot be read.
+pub fn fault(text: &str) -> String {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("case.toml");
+    std::fs::write(&path, text).expect("written");
+    match input::read_case(&path, &effects::catalogue()) {
+        Ok(_) => panic!("the file was read"),
+        Err(e) => e.to_string(),
+    }
+}
+
 fn never() -> bool {
     false
 }

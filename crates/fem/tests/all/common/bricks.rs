@@ -54,6 +54,8 @@ pub fn cube(n: usize, jitter: f64, field: impl Fn(&[f64; 3]) -> [f64; 3]) -> Pro
     Problem {
         body: Arc::new(body),
         supports: Arc::new(supports),
+        waypoints: Arc::default(),
+        reactions: Arc::default(),
         multiplicity: 1.0,
         bulk: Arc::new(Hgo::default()),
         bulk_params: (0..7).collect(),

@@ -125,7 +125,7 @@ pub fn problem(strip: &Strip, ends: Ends, areas: usize) -> Problem {
     let body = Body::of(&mesh);
     let path = strip.tear.then(|| Path {
         law: Arc::new(cohesive::Cohesive),
-        rule: Integration::Gauss,
+        rule: Integration::Gauss.into(),
         params: (0..body.cohesive.len())
             .map(|e| {
                 let area = mesh.area(e, areas);
@@ -140,6 +140,8 @@ pub fn problem(strip: &Strip, ends: Ends, areas: usize) -> Problem {
     Problem {
         body: Arc::new(body),
         supports: Arc::new(supports),
+        waypoints: Arc::default(),
+        reactions: Arc::default(),
         multiplicity: half(mesh.half_height) * half(mesh.half_thickness),
         bulk: Arc::new(hgo::Hgo::default()),
         bulk_params: (0..7).collect(),
