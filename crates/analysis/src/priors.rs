@@ -53,7 +53,8 @@ fn given_value(case: &Case, path: &ParamPath) -> Option<f64> {
 
 /// Adds priors to free parameters: the file's own first; else, where `literature`, around the value
 /// the file gives, or the literature's; the search then stays within reach of them ([`REACH`]), narrower bounds of the file
-/// first.
+/// first. Without `literature` it stays within reach of the literature's where the file gives no value; what a file gives as a
+/// start bounds nothing.
 pub fn add(frees: &mut [Free], case: &Case, literature: bool) {
     let expected = expectations(case);
     for f in frees {
@@ -65,15 +66,15 @@ pub fn add(frees: &mut [Free], case: &Case, literature: bool) {
                 Transform::Log => (1.0 + p.relative_sd * p.relative_sd).ln().sqrt(),
                 t => (p.relative_sd * p.mean / t.slope(p.mean).max(f64::MIN_POSITIVE)).abs(),
             };
-            f.prior = Some(Prior { mean, sd });
-            continue;
-        }
-        if !literature {
-            // A start is no belief: the parameter's own bounds, or the file's, are the only ones.
+            f.prior = literature.then_some(Prior { mean, sd });
             continue;
         }
         let Some(&(_, Expected { median, spread })) = expected.iter().find(|l| l.0 == path) else { continue };
         let given = given_value(case, &path);
+        if !literature && given.is_some() {
+            // A start is no belief: the parameter's own bounds, or the file's, are the only ones.
+            continue;
+        }
         let at = given.unwrap_or(median);
         // A value on a bound (k2 = 0, κ = 0) has no place in the coordinate: no prior.
         if f.at_bound(at) || at <= f.lower || at >= f.upper {

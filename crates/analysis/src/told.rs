@@ -68,11 +68,10 @@ fn listed(p: &PosteriorAnswer) -> String {
 /// How the leading probability moves with what is believed.
 fn sensitivity(p: &PosteriorAnswer) -> Option<String> {
     let most = p.effects.iter().max_by(|a, b| a.1.total_cmp(b.1)).filter(|e| *e.1 > p.nothing);
-    let (name, of): (&str, Box<dyn Fn(&Brief) -> f64>) = match most {
-        Some((effect, _)) => (effect, Box::new(|b: &Brief| b.effects.get(effect).copied().unwrap_or(0.0))),
-        None => ("nothing", Box::new(|b: &Brief| b.nothing)),
-    };
-    let (low, high) = range(&p.sensitivity, &*of)?;
+    let name = most.map(|(effect, _)| effect.as_str());
+    let of = |b: &Brief| name.map_or(b.nothing, |e| b.effects.get(e).copied().unwrap_or(0.0));
+    let (low, high) = range(&p.sensitivity, &of)?;
+    let name = name.unwrap_or("nothing");
     (high - low > MOVES).then(|| {
         format!(
             "With amplitudes, or the rest, believed twice or half as large, {name} has {} to {}.",

@@ -218,18 +218,20 @@ pub struct PriorsConfig {
     pub around: BTreeMap<String, Option<f64>>,
 }
 
-/// `[diagnose]`: what a complete model is believed to leave of a record.
+/// `[diagnose]`: what is believed of effects, and of what a complete model leaves of a record.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DiagnoseConfig {
     /// Scale of what a complete model leaves unexplained, share of the peak force (0.015).
     pub rest: f64,
     /// Largest rest that counts as explained in practice, share of the peak force (0.02).
     pub practice: f64,
+    /// How many effects of the catalogue are expected to act (0.7).
+    pub expected_effects: f64,
 }
 
 impl Default for DiagnoseConfig {
     fn default() -> Self {
-        Self { rest: 0.015, practice: 0.02 }
+        Self { rest: 0.015, practice: 0.02, expected_effects: 0.7 }
     }
 }
 

@@ -305,6 +305,7 @@ fn diagnose(w: &mut Writer, d: &DiagnoseConfig) {
     w.header("[diagnose]");
     w.number("rest", Quantity::Dimensionless, d.rest);
     w.number("practice", Quantity::Dimensionless, d.practice);
+    w.number("expected_effects", Quantity::Dimensionless, d.expected_effects);
 }
 
 fn solver(w: &mut Writer, s: &SolverConfig) {

@@ -106,7 +106,6 @@ impl FeLadder<'_> {
                 // A rejected trial needs none, and derivatives cost as much as a run.
                 jacobian_with_trial: false,
                 max_step: 0.7,
-                ..FitOptions::default()
             };
             let progress = self.progress;
             let names = super::named(&model.effects());

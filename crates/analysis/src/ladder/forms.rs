@@ -14,8 +14,14 @@ impl FeLadder<'_> {
     pub(super) fn best_form(&self, f: &Fitted) -> Result<Option<Fitted>, AnalysisError> {
         let mut best: Option<Fitted> = None;
         for at in 0..f.model.case.effects.len() {
-            while let Some(better) = self.better_form(best.as_ref().unwrap_or(f), at)? {
-                best = Some(better);
+            loop {
+                match self.better_form(best.as_ref().unwrap_or(f), at) {
+                    Ok(Some(better)) => best = Some(better),
+                    Ok(None) => break,
+                    Err(e) if self.cancelled.stops() => return Err(e),
+                    // A form that cannot be fitted is no better one.
+                    Err(_) => break,
+                }
             }
         }
         Ok(best)

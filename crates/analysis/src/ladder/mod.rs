@@ -10,12 +10,13 @@ mod fit;
 mod forms;
 pub(crate) mod next_test;
 mod rung;
+mod settle;
 mod weighing;
 
 pub use adds::Adds;
 pub use decided::Weighed;
 pub use next_test::{NextTest, Tried};
-use weighing::FineStates;
+use settle::FineStates;
 
 use crate::columns::Base;
 use crate::correction::Correction;

@@ -6,20 +6,16 @@
 
 use super::decided::Probabilities;
 use super::fit::FAR;
+use super::settle::{Begun, ROUNDS};
 use super::{FeLadder, Fitted, How, named};
 use crate::columns::transfer;
-use crate::correction::Correction;
 use crate::cost::Phase;
-use crate::identify::{AnalysisError, Searched, fewer_steps, run_options, searched};
-use crate::journal::{Asked, remembered};
+use crate::identify::{AnalysisError, Searched, searched};
 use crate::probable::{Probable, probable_with_models};
-use crate::problem::FeProblem;
 use input::Case;
-use inverse::{FitOptions, Iterate, MappedOptions, Objective, PredictError, Problem as _, quality};
 use model::{Discretisation, Model};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
-use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -30,19 +26,9 @@ const LEADS: f64 = 0.05;
 const LARGEST: usize = 4;
 /// Sets that are fitted in one round.
 const AT_ONCE: usize = 8;
-/// Runs on the file's mesh that a fit may move by.
-const ROUNDS: usize = 5;
 /// Share of the difference of the two meshes that is left on the file's: of first order at the corners of clamped ends, on a
 /// mesh three times as fine.
 const LEFT_OF_MESH: f64 = 0.5;
-/// A predicted fall of χ² that is not worth a run on the file's mesh: as in `identify`.
-const SETTLED: f64 = 0.25;
-
-/// States on the file's mesh, with the model they are of.
-pub(super) struct FineStates {
-    model: Model,
-    warm: Vec<Option<fem::Warm>>,
-}
 
 impl<'a> FeLadder<'a> {
     /// The base model at its optimum on the file's mesh; nothing else is fitted.
@@ -102,18 +88,6 @@ impl<'a> FeLadder<'a> {
         let free = model.free();
         let frees = self.frees(&model, &theta, &free);
         Ok(Begun { model, theta, free, frees, warm: Vec::new() })
-    }
-
-    /// The same at a fit.
-    fn begun_of(&self, f: &Fitted) -> Result<Begun, AnalysisError> {
-        let start = |(free, &start): (&inverse::Free, &f64)| inverse::Free { start, ..free.clone() };
-        Ok(Begun {
-            model: Model::new(f.model.case.clone(), self.catalogue, self.how)?,
-            theta: f.theta.clone(),
-            free: f.free.clone(),
-            frees: f.frees.iter().zip(&f.fit.theta).map(start).collect(),
-            warm: f.warm.clone(),
-        })
     }
 
     /// Fits every effect, and every set that matters: what leads is taken to the file's mesh before anything is added to it,
@@ -249,113 +223,6 @@ impl<'a> FeLadder<'a> {
         }
         Ok(())
     }
-
-    /// Fits sets on the file's mesh, side by side. Where that mesh gives no answer a fit stays as it is.
-    pub(super) fn settle_sets(&mut self, sets: &[Vec<String>]) -> Result<(), AnalysisError> {
-        let this = &*self;
-        let one = |set: &Vec<String>| match this.rungs.get(set) {
-            Some(f) => {
-                let better = this.best_form(f)?;
-                let begun = this.begun_of(better.as_ref().unwrap_or(f))?;
-                this.settle(begun, this.fine_states.as_ref(), ROUNDS)
-            }
-            None => Ok(None),
-        };
-        let done: Vec<Result<Option<(Fitted, FineStates)>, AnalysisError>> =
-            sets.par_iter().map(one).collect();
-        for (set, settled) in sets.iter().zip(done) {
-            match (settled?, self.rungs.get_mut(set)) {
-                (Some((f, _)), _) => {
-                    (self.progress)(&format!("{}: on the file's mesh χ² {:.1}", named(set), f.fit.f));
-                    self.rungs.insert(set.clone(), f);
-                }
-                (None, Some(f)) => f.settled = true,
-                (None, None) => {}
-            }
-        }
-        Ok(())
-    }
-
-    /// A fit taken to the optimum on the file's mesh; `None` where that mesh gives no answer.
-    fn settle(
-        &self,
-        begun: Begun,
-        states: Option<&FineStates>,
-        rounds: usize,
-    ) -> Result<Option<(Fitted, FineStates)>, AnalysisError> {
-        let mut case = (*self.fine_case).clone();
-        case.effects.clone_from(&begun.model.case.effects);
-        let fine = Model::new(Arc::new(case), self.catalogue, Discretisation::default())?;
-        let theta = transfer(&begun.model, &begun.theta, &fine);
-        let slots = &self.measured.slots;
-        let mut options = fewer_steps(run_options(&self.fine_case));
-        options.march.budget = 2 * crate::identify::TRIAL_BUDGET;
-        options.march.newton.tolerance = self.options.march.newton.tolerance;
-        let free = fine.free();
-        let problem = FeProblem::new(&fine, theta, free, slots, options, self.cancelled);
-        if let Some(s) = states {
-            let one = |(t, w): (usize, &Option<fem::Warm>)| {
-                let (from, to) = (s.model.plan(t, &options), fine.plan(t, &options));
-                w.as_ref().map(|w| to.guesses(&from, w))
-            };
-            problem.start_from(s.warm.iter().enumerate().map(one).collect());
-        }
-        let Begun { model, theta, free, frees, warm } = begun;
-        let cheap = FeProblem::new(&model, theta, free.clone(), slots, self.options, self.cancelled);
-        cheap.start_from(warm.clone());
-        let outer =
-            FitOptions { objective: Objective::Record, max_iterations: rounds, ..FitOptions::default() };
-        let inner = FitOptions { max_iterations: 16, tolerance: 1e-4, ..outer.clone() };
-        let how = MappedOptions { outer, inner, settled: SETTLED };
-        let name = named(&model.effects());
-        let say = self.progress;
-        let mut told = |i: &Iterate| {
-            say(&format!("{name}, file's mesh: iteration {}, χ² {:?}", i.iteration, i.f));
-            ControlFlow::Continue(())
-        };
-        let mut quiet = |_: &Iterate| ControlFlow::Continue(());
-        let data = &self.measured.data;
-        let asked = Asked {
-            problem: &problem,
-            beside: Some(&cheap),
-            data,
-            free: &frees,
-            options: &how.outer,
-            how: &format!("{how:?}"),
-            cancelled: self.cancelled,
-        };
-        let done = remembered(self.journal, &asked, &mut told, &mut |told| {
-            Ok((inverse::fit_mapped(&problem, &cheap, data, &frees, &how, told, &mut quiet)?, None))
-        });
-        let done = match done {
-            Ok(done) => done,
-            Err(AnalysisError::Fit(inverse::FitError::Start(PredictError::NotComputable(_)))) => {
-                return Ok(None);
-            }
-            Err(e) => return Err(e),
-        };
-        self.runs.fetch_add(done.runs, Ordering::Relaxed);
-        let end = done.fit;
-        // From the same states whether the fit was done or remembered: the same bits.
-        cheap.start_from(warm);
-        let own = cheap.predict(&end.theta, true)?;
-        let correction = Correction::first_order(&frees, &end.theta, &end.prediction, &own);
-        let quality = quality(data, &frees, &end);
-        let (theta, warm, fine_warm) = (cheap.full(&end.theta), cheap.warm(), done.warm);
-        drop((problem, cheap));
-        let settled =
-            Fitted { theta, frees, fit: end, quality, correction, settled: true, warm, free, model };
-        Ok(Some((settled, FineStates { model: fine, warm: fine_warm })))
-    }
-}
-
-/// Where a fit on the file's mesh begins, by the search's mesh.
-struct Begun {
-    model: Model,
-    theta: Vec<f64>,
-    free: Vec<usize>,
-    frees: Vec<inverse::Free>,
-    warm: Vec<Option<fem::Warm>>,
 }
 
 /// How much coarser than the file's mesh the search's is.

@@ -34,7 +34,7 @@ impl Beliefs {
     pub fn of(config: &DiagnoseConfig, catalogue: &Catalogue) -> Self {
         let (rest, usual) = (RestPrior::default(), DiagnoseConfig::default().rest);
         let effects = catalogue.iter().filter(|e| !e.card().negative_control).count();
-        let sets = SetPrior::of_catalogue(effects);
+        let sets = SetPrior { expected: config.expected_effects, ..SetPrior::of_catalogue(effects) };
         Self { rest: rest.scaled(config.rest / usual), sets, practice: config.practice }
     }
 }

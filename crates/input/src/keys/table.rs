@@ -133,7 +133,7 @@ fn run(b: &mut Builder) {
         .key(
             "priors",
             Kind::Priors,
-            absent("off to identify, on to diagnose"),
+            absent("off"),
             "literature's priors on or off, or priors of your own",
         )
         .key(
@@ -161,6 +161,18 @@ fn run(b: &mut Builder) {
             share(1e-4, 0.5),
             Fallback::Number(DiagnoseConfig::default().practice),
             "largest rest that counts as explained in practice, share of the peak force",
+        )
+        .key(
+            "expected_effects",
+            number(Dimensionless, Limits::within(0.01, 5.0)),
+            Fallback::Number(DiagnoseConfig::default().expected_effects),
+            "how many effects of the catalogue are expected to act",
+        )
+        .key(
+            "laws",
+            Kind::Bool,
+            Fallback::Bool(false),
+            "other laws of bulk and tear as candidates: not offered yet",
         );
     b.section("solver")
         .key(

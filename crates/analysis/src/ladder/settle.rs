@@ -1,0 +1,150 @@
+//! Fits on the file's mesh, their steps taken on the search's (`inverse::fit_mapped`).
+
+use super::{FeLadder, Fitted, named};
+use crate::columns::transfer;
+use crate::correction::Correction;
+use crate::identify::{AnalysisError, fewer_steps, run_options};
+use crate::journal::{Asked, remembered};
+use crate::problem::FeProblem;
+use inverse::{FitOptions, Iterate, MappedOptions, Objective, PredictError, Problem as _, quality};
+use model::{Discretisation, Model};
+use rayon::prelude::*;
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+/// Runs on the file's mesh that a fit may move by.
+pub(super) const ROUNDS: usize = 5;
+/// A predicted fall of χ² that is not worth a run on the file's mesh: as in `identify`.
+const SETTLED: f64 = 0.25;
+
+/// States on the file's mesh, with the model they are of.
+pub(super) struct FineStates {
+    model: Model,
+    warm: Vec<Option<fem::Warm>>,
+}
+
+/// Where a fit on the file's mesh begins, by the search's mesh.
+pub(super) struct Begun {
+    pub model: Model,
+    pub theta: Vec<f64>,
+    pub free: Vec<usize>,
+    pub frees: Vec<inverse::Free>,
+    pub warm: Vec<Option<fem::Warm>>,
+}
+
+impl FeLadder<'_> {
+    /// The start of a fit on the file's mesh at one of the search's.
+    pub(super) fn begun_of(&self, f: &Fitted) -> Result<Begun, AnalysisError> {
+        let start = |(free, &start): (&inverse::Free, &f64)| inverse::Free { start, ..free.clone() };
+        Ok(Begun {
+            model: Model::new(f.model.case.clone(), self.catalogue, self.how)?,
+            theta: f.theta.clone(),
+            free: f.free.clone(),
+            frees: f.frees.iter().zip(&f.fit.theta).map(start).collect(),
+            warm: f.warm.clone(),
+        })
+    }
+
+    /// Fits sets on the file's mesh, side by side. Where that mesh gives no answer a fit stays as it is.
+    pub(super) fn settle_sets(&mut self, sets: &[Vec<String>]) -> Result<(), AnalysisError> {
+        let this = &*self;
+        let one = |set: &Vec<String>| match this.rungs.get(set) {
+            Some(f) => {
+                let better = this.best_form(f)?;
+                let begun = this.begun_of(better.as_ref().unwrap_or(f))?;
+                this.settle(begun, this.fine_states.as_ref(), ROUNDS)
+            }
+            None => Ok(None),
+        };
+        let done: Vec<Result<Option<(Fitted, FineStates)>, AnalysisError>> =
+            sets.par_iter().map(one).collect();
+        for (set, settled) in sets.iter().zip(done) {
+            match (settled?, self.rungs.get_mut(set)) {
+                (Some((f, _)), _) => {
+                    (self.progress)(&format!("{}: on the file's mesh χ² {:.1}", named(set), f.fit.f));
+                    self.rungs.insert(set.clone(), f);
+                }
+                (None, Some(f)) => f.settled = true,
+                (None, None) => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// A fit taken to the optimum on the file's mesh; `None` where that mesh gives no answer.
+    pub(super) fn settle(
+        &self,
+        begun: Begun,
+        states: Option<&FineStates>,
+        rounds: usize,
+    ) -> Result<Option<(Fitted, FineStates)>, AnalysisError> {
+        let mut case = (*self.fine_case).clone();
+        case.effects.clone_from(&begun.model.case.effects);
+        let fine = Model::new(Arc::new(case), self.catalogue, Discretisation::default())?;
+        let theta = transfer(&begun.model, &begun.theta, &fine);
+        let slots = &self.measured.slots;
+        let mut options = fewer_steps(run_options(&self.fine_case));
+        options.march.budget = 2 * crate::identify::TRIAL_BUDGET;
+        options.march.newton.tolerance = self.options.march.newton.tolerance;
+        let free = fine.free();
+        let problem = FeProblem::new(&fine, theta, free, slots, options, self.cancelled);
+        if let Some(s) = states {
+            let one = |(t, w): (usize, &Option<fem::Warm>)| {
+                let (from, to) = (s.model.plan(t, &options), fine.plan(t, &options));
+                w.as_ref().map(|w| to.guesses(&from, w))
+            };
+            problem.start_from(s.warm.iter().enumerate().map(one).collect());
+        }
+        let Begun { model, theta, free, frees, warm } = begun;
+        let cheap = FeProblem::new(&model, theta, free.clone(), slots, self.options, self.cancelled);
+        cheap.start_from(warm.clone());
+        let outer =
+            FitOptions { objective: Objective::Record, max_iterations: rounds, ..FitOptions::default() };
+        let inner = FitOptions { max_iterations: 16, tolerance: 1e-4, ..outer.clone() };
+        let how = MappedOptions { outer, inner, settled: SETTLED };
+        let name = named(&model.effects());
+        let say = self.progress;
+        let mut told = |i: &Iterate| {
+            say(&format!("{name}, file's mesh: iteration {}, χ² {:?}", i.iteration, i.f));
+            ControlFlow::Continue(())
+        };
+        let mut quiet = |_: &Iterate| ControlFlow::Continue(());
+        let data = &self.measured.data;
+        let asked = Asked {
+            problem: &problem,
+            beside: Some(&cheap),
+            data,
+            free: &frees,
+            options: &how.outer,
+            how: &format!("{how:?}"),
+            cancelled: self.cancelled,
+        };
+        let done = remembered(self.journal, &asked, &mut told, &mut |told| {
+            Ok((inverse::fit_mapped(&problem, &cheap, data, &frees, &how, told, &mut quiet)?, None))
+        });
+        let done = match done {
+            Ok(done) => done,
+            Err(AnalysisError::Fit(inverse::FitError::Start(PredictError::NotComputable(_)))) => {
+                return Ok(None);
+            }
+            Err(e) => return Err(e),
+        };
+        self.runs.fetch_add(done.runs, Ordering::Relaxed);
+        let end = done.fit;
+        // From the same states whether the fit was done or remembered: the same bits.
+        cheap.start_from(warm);
+        let own = match cheap.predict(&end.theta, true) {
+            Ok(own) => own,
+            Err(PredictError::NotComputable(_)) => return Ok(None),
+            Err(e) => return Err(e.into()),
+        };
+        let correction = Correction::first_order(&frees, &end.theta, &end.prediction, &own);
+        let quality = quality(data, &frees, &end);
+        let (theta, warm, fine_warm) = (cheap.full(&end.theta), cheap.warm(), done.warm);
+        drop((problem, cheap));
+        let settled =
+            Fitted { theta, frees, fit: end, quality, correction, settled: true, warm, free, model };
+        Ok(Some((settled, FineStates { model: fine, warm: fine_warm })))
+    }
+}
