@@ -1,127 +1,72 @@
-//! Runs discover on a case: `cargo run --release -p analysis --example disc -- FILE`.
+//! The search for what is missing, with every model that it weighed: `cargo run --release -p analysis --example disc -- FILE…`
+//! (`V=1`: what it does, as it does it).
+
+use analysis::{AnalysisError, FeLadder, How, Meter, Metered, NoJournal, Weighed};
+use std::path::Path;
 use std::sync::Arc;
+use std::time::Instant;
+
 fn main() {
-    let cat = effects::catalogue();
+    let catalogue = effects::catalogue();
+    let verbose = std::env::var("V").is_ok();
     for path in std::env::args().skip(1) {
-        let case = input::read_case(std::path::Path::new(&path), &cat).unwrap_or_else(|e| panic!("{e}"));
-        let t = std::time::Instant::now();
-        let verbose = std::env::var("V").is_ok();
-        let progress = |s: &str| {
-            if verbose {
-                eprintln!("{:6.2}s {s}", t.elapsed().as_secs_f64())
-            }
-        };
-        let policy = diagnose::Policy::default();
-        let meter = analysis::Meter::new(true);
-        let go = || false;
-        let metered = analysis::Metered::new(&go, &meter);
-        let how = analysis::How {
-            catalogue: &cat,
-            policy: policy.clone(),
-            progress: &progress,
-            cancelled: &metered,
-            journal: &analysis::NoJournal,
-        };
-        if std::env::var("WEIGH").is_ok() {
-            weigh(&path, case, how, &meter);
-            continue;
-        }
-        let mut l = match analysis::FeLadder::new(Arc::new(case), how) {
-            Ok(l) => l,
-            Err(e) => {
-                println!("{path}: {e}");
+        let case = match input::read_case(Path::new(&path), &catalogue) {
+            Ok(case) => case,
+            Err(why) => {
+                println!("{path}: {why}");
                 continue;
             }
         };
-        println!("== {path} base {:.2}s", t.elapsed().as_secs_f64());
-        match l.search() {
-            Err(e) => println!("   error {e}"),
-            Ok(d) => {
-                println!(
-                    "   {:?} found {:?} groups {:?}  {:.1}s runs {}",
-                    d.verdict,
-                    d.found,
-                    d.groups,
-                    t.elapsed().as_secs_f64(),
-                    l.runs()
-                );
-                for p in meter.spent() {
-                    println!(
-                        "      {:?}: {} runs, {} steps, {} iterations, {:.1} CPU s",
-                        p.phase,
-                        p.runs,
-                        p.load_steps,
-                        p.newton_iterations,
-                        p.cpu_seconds.unwrap_or_default()
-                    );
-                }
-                match l.probable() {
-                    Ok(p) => {
-                        println!("   {}", p.sentence());
-                        println!("   {:?} not fitted {:.3}", p.left.explained_to, p.posterior.not_fitted);
-                        for s in p.posterior.sets.iter().take(6) {
-                            println!(
-                                "      {:.3} {:.3} {:?}",
-                                s.probability, s.with_something_else, s.effects
-                            );
-                        }
-                    }
-                    Err(e) => println!("   no probabilities: {e}"),
-                }
-                let tried = d.tried.iter().filter(|r| !d.ladder.contains(r));
-                for r in d.ladder.iter().chain(tried) {
-                    println!(
-                        "   {:?} p {} rms {:.5} chi2 {:.2} tot {:.2} bic {:.0} held {:?} struct {:.1e}",
-                        r.effects,
-                        r.parameters,
-                        r.rms,
-                        r.reduced_chi2,
-                        r.reduced_chi2_total(),
-                        r.bic,
-                        r.held_out_chi2,
-                        r.structure_p
-                    );
-                }
-                for f in d.screen.findings.iter().take(30) {
-                    println!(
-                        "      {:24} fall {:8.1} p {:.1e} q {:.1e} vis {:.3} snr {:.1} {} {:?} {:?} alike {:?}",
-                        f.effect,
-                        f.fall,
-                        f.p_value,
-                        f.q_value,
-                        f.visibility,
-                        f.snr,
-                        if f.significant { "SIG" } else { "" },
-                        f.amplitudes,
-                        f.shape,
-                        f.look_alikes
-                    );
-                }
+        let begun = Instant::now();
+        let progress = |s: &str| {
+            if verbose {
+                eprintln!("{:7.2} s {s}", begun.elapsed().as_secs_f64());
             }
+        };
+        let (meter, go) = (Meter::new(true), || false);
+        let metered = Metered::new(&go, &meter);
+        let how = How {
+            catalogue: &catalogue,
+            policy: diagnose::Policy::default(),
+            progress: &progress,
+            cancelled: &metered,
+            journal: &NoJournal,
+        };
+        match search(case, how) {
+            Ok((weighed, ladder)) => show(&path, &weighed, &ladder),
+            Err(why) => println!("== {path}: {why}"),
+        }
+        for p in meter.spent() {
+            println!(
+                "   {:?}: {} runs, {} steps, {} iterations, {:.1} CPU s",
+                p.phase,
+                p.runs,
+                p.load_steps,
+                p.newton_iterations,
+                p.cpu_seconds.unwrap_or_default()
+            );
         }
     }
 }
 
-/// Probabilities from real fits of every effect.
-fn weigh(path: &str, case: input::Case, how: analysis::How, meter: &analysis::Meter) {
-    let found = analysis::FeLadder::weighing(Arc::new(case), how).and_then(|mut l| {
-        let p = l.weigh_catalogue()?;
-        Ok((p, l))
-    });
-    match found {
-        Err(e) => println!("{path}: {e}"),
-        Ok((p, l)) => {
-            println!("== {path}: {}", p.sentence());
-            for s in p.posterior.sets.iter().take(8) {
-                let fit = l.rungs.get(&s.effects).map(|f| (f.settled, f.fit.f));
-                println!("   {:.3} {:.3} {:?} {fit:?}", s.probability, s.with_something_else, s.effects);
-            }
-            for (set, f) in &l.rungs {
-                println!("      {set:?} χ² {:.1} settled {}", f.fit.f, f.settled);
-            }
-            for c in meter.spent() {
-                println!("   {c:?}");
-            }
-        }
+fn search(case: input::Case, how: How) -> Result<(Weighed, FeLadder), AnalysisError> {
+    let mut ladder = FeLadder::weighing(Arc::new(case), how)?;
+    Ok((ladder.weighed()?, ladder))
+}
+
+fn show(path: &str, weighed: &Weighed, ladder: &FeLadder) {
+    let Weighed { discovery: d, probable: p } = weighed;
+    println!("== {path}: {:?} {:?} groups {:?}", d.verdict, d.found, d.groups);
+    println!("   {} ({:?}, not fitted {:.3})", p.sentence(), p.left.explained_to, p.posterior.not_fitted);
+    for (asked, brief) in &p.posterior.sensitivity {
+        let top = brief.effects.iter().max_by(|a, b| a.1.total_cmp(b.1));
+        println!("   {asked}: {top:?}, nothing {:.3}, else {:.3}", brief.nothing, brief.something_else);
+    }
+    for s in p.posterior.sets.iter().take(8) {
+        println!("   {:.3} {:.3} {:?}", s.probability, s.with_something_else, s.effects);
+    }
+    for (set, f) in &ladder.rungs {
+        let settled = if f.settled { "on the file's mesh" } else { "" };
+        println!("      {set:?} χ² {:.1} {settled}", f.fit.f);
     }
 }

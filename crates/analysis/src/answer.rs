@@ -3,10 +3,12 @@
 use crate::compare::{self, Where};
 use crate::cost::PhaseCost;
 use crate::identify::AnalysisError;
-use crate::journal::Journal;
-use crate::ladder::{Adds, FeLadder, How, NextTest};
+use crate::journal::{Journal, Recent};
+use crate::ladder::{Adds, FeLadder, How, NextTest, Weighed};
 use crate::parsimony::OneStrength;
+use crate::probable::{Left, PosteriorAnswer};
 use crate::problem::Cancelled;
+use crate::told;
 use diagnose::{Finding, Policy, Rung, Screen, Verdict};
 use input::{Case, EffectConfig};
 use model::Catalogue;
@@ -92,6 +94,11 @@ pub struct DiscoverAnswer {
     pub verdict: String,
     /// The verdict as sentences.
     pub words: Vec<String>,
+    /// How probable each set of effects is.
+    pub posterior: PosteriorAnswer,
+    /// What the leading model leaves, and to what it explains the records.
+    #[serde(flatten)]
+    pub left: Left,
     /// Where the base model fails.
     #[serde(rename = "where")]
     pub place: Vec<Where>,
@@ -157,7 +164,7 @@ pub(crate) fn word(v: Verdict) -> &'static str {
 }
 
 pub(crate) fn ladder_row(l: &FeLadder, r: &Rung) -> LadderRow {
-    let fitted = l.rungs.get(&FeLadder::key(&r.effects));
+    let fitted = l.shown(&FeLadder::key(&r.effects));
     let values = fitted.map_or_else(BTreeMap::new, |f| {
         f.free.iter().map(|&i| (f.model.parameters[i].path.clone(), f.theta[i])).collect()
     });
@@ -174,7 +181,7 @@ pub(crate) fn ladder_row(l: &FeLadder, r: &Rung) -> LadderRow {
     }
 }
 
-/// Screens the catalogue at the identified model.
+/// Weighs the catalogue by its derivatives at the identified model: nothing is refitted.
 ///
 /// # Errors
 /// [`AnalysisError`].
@@ -187,64 +194,44 @@ pub fn diagnose(
 ) -> Result<DiscoverAnswer, AnalysisError> {
     let start = Instant::now();
     let policy = Policy::default();
-    let mut ladder =
-        FeLadder::new(case, How { catalogue, policy: policy.clone(), progress, cancelled, journal })?;
-    let rung = diagnose::Ladder::fit(&mut ladder, &[], &diagnose::Hints::new())?;
-    let screen = diagnose::Ladder::screen(&mut ladder, &rung)?;
-    let explained = rung.explained(&policy);
-    let mut screen = screen;
-    // As in the whole loop: what is left on an explained record must be large to be named.
-    if explained && screen.findings.iter().all(|f| f.fall < rung.least_fall(&policy)) {
-        screen.set_aside_significant();
-    }
-    let called: Vec<&Finding> = screen.findings.iter().filter(|f| f.significant && !f.set_aside).collect();
-    let verdict = match (explained, called.first()) {
-        (true, None) => "nothing_missing",
-        (_, Some(f)) if f.look_alikes.is_empty() => "explained",
-        (_, Some(_)) => "ambiguous",
-        (false, None) => "unexplained",
-    };
+    let recent = Recent::new(journal);
+    let how = How { catalogue, policy: policy.clone(), progress, cancelled, journal: &recent };
+    let mut ladder = FeLadder::weighing(case, how)?;
+    let weighed = ladder.weighed_by_columns()?;
     let mut words = vec![compare::place_in_words(&compare::residuals_of(&ladder))];
-    let shown = called.iter().take(3).map(|f| in_file_units(f, catalogue));
-    words.extend(shown.map(|f| diagnose::words::finding(&f, &policy)));
+    words.extend(told::probabilities(&weighed.probable));
     words.push(
-        "A screen is a linear prediction: `fct discover` refits the candidates before it names one.".into(),
+        "These are probabilities by derivatives at this model: `fct discover` fits the effects before it names one.".into(),
     );
-    let group = |f: &&Finding| std::iter::once(f.effect.clone()).chain(f.look_alikes.clone()).collect();
-    let answer = answer(&ladder, &screen, start, &policy);
-    Ok(DiscoverAnswer {
-        found: called.first().map(|f| vec![f.effect.clone()]).unwrap_or_default(),
-        groups: called.first().map(|f| vec![group(f)]).unwrap_or_default(),
-        verdict: verdict.to_owned(),
-        words,
-        ..answer
-    })
+    Ok(DiscoverAnswer { ladder: Vec::new(), words, ..answer(&ladder, weighed, start, &policy) })
 }
 
 /// What a screen and a search say alike: the case, the screen, where the base model is off, the cost.
-fn answer(ladder: &FeLadder, screen: &Screen, start: Instant, policy: &Policy) -> DiscoverAnswer {
-    let case = ladder.case();
+fn answer(ladder: &FeLadder, weighed: Weighed, start: Instant, policy: &Policy) -> DiscoverAnswer {
+    let (case, Weighed { discovery: d, probable }) = (ladder.case(), weighed);
     DiscoverAnswer {
         schema: 1,
         specimen: case.name.clone(),
         provenance: case.provenance.clone(),
-        screen: screen_rows(screen, policy, ladder.catalogue()),
-        ladder: Vec::new(),
-        found: Vec::new(),
-        groups: Vec::new(),
-        verdict: String::new(),
+        screen: screen_rows(&d.screen, policy, ladder.catalogue()),
+        ladder: d.ladder.iter().map(|r| ladder_row(ladder, r)).collect(),
+        found: d.found,
+        groups: d.groups,
+        verdict: word(d.verdict).to_owned(),
         words: Vec::new(),
+        posterior: probable.posterior,
+        left: probable.left,
         place: compare::places(&compare::residuals_of(ladder)),
         one_strength: None,
         next_test: None,
         forward_runs: ladder.runs(),
         seconds: start.elapsed().as_secs_f64(),
         cost: Vec::new(),
-        adds: ladder.adds(screen),
+        adds: ladder.adds(&d.screen),
     }
 }
 
-/// The whole loop: add effects until the record is explained, or honestly not.
+/// The whole loop: fits every effect, and sets of them, and answers with their probabilities.
 ///
 /// # Errors
 /// [`AnalysisError`].
@@ -257,20 +244,11 @@ pub fn discover(
 ) -> Result<DiscoverAnswer, AnalysisError> {
     let start = Instant::now();
     let policy = Policy::default();
-    let mut ladder =
-        FeLadder::new(case, How { catalogue, policy: policy.clone(), progress, cancelled, journal })?;
-    let d = ladder.search()?;
-    let answer = answer(&ladder, &d.screen, start, &policy);
-    let words = vec![diagnose::words::verdict(&d, &policy)];
-    Ok(DiscoverAnswer {
-        ladder: d.ladder.iter().map(|r| ladder_row(&ladder, r)).collect(),
-        found: d.found.clone(),
-        groups: d.groups.clone(),
-        verdict: word(d.verdict).to_owned(),
-        words,
-        next_test: ladder.next_test(&d),
-        forward_runs: ladder.runs(),
-        seconds: start.elapsed().as_secs_f64(),
-        ..answer
-    })
+    let recent = Recent::new(journal);
+    let how = How { catalogue, policy: policy.clone(), progress, cancelled, journal: &recent };
+    let mut ladder = FeLadder::weighing(case, how)?;
+    let weighed = ladder.weighed()?;
+    let next_test = ladder.next_test(&weighed.discovery);
+    let words = told::words(&weighed);
+    Ok(DiscoverAnswer { words, next_test, ..answer(&ladder, weighed, start, &policy) })
 }

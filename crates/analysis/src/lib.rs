@@ -22,6 +22,7 @@ mod problem;
 mod simulate;
 mod start;
 mod strip;
+mod told;
 mod weigh;
 
 pub use answer::{DiscoverAnswer, LadderRow, ScreenRow, diagnose, discover};
@@ -42,7 +43,7 @@ pub use identify::{
     AnalysisError, Control, HistoryEntry, Identified, Progress, Stage, frees, identify, run_options,
 };
 pub use journal::{Journal, NoJournal};
-pub use ladder::{Adds, FeLadder, Fitted, How, NextTest, Tried};
+pub use ladder::{Adds, FeLadder, Fitted, How, NextTest, Tried, Weighed};
 pub use needs::{Need, needs};
 pub use parsimony::{OneStrength, one_strength};
 pub use probable::{Brief, Left, PosteriorAnswer, Probable};

@@ -2,7 +2,6 @@
 
 use input::{Case, Layout, Location};
 use model::{Catalogue, Corner, Effect, corners_of_record};
-use std::sync::Arc;
 
 /// Travel below this share of a record's range is no leg of its own.
 const STILL: f64 = 0.01;
@@ -97,19 +96,6 @@ fn sentence(effect: &dyn Effect, holds: &str, add: &str) -> String {
 /// What tells effects of time from each other.
 const TIME: &str = "pause or two rates";
 
-/// An effect of time on records that hold no pause and one rate.
-fn untimed<'a>(case: &Case, catalogue: &'a Catalogue, effect: &str) -> Option<&'a Arc<dyn Effect>> {
-    let found = catalogue.get(effect).filter(|e| e.card().needs.contains(&TIME))?;
-    Holds::of(case).lacks(TIME).map(|_| found)
-}
-
-/// Other effects of time that look like this one on such records; none where they hold what tells.
-pub(crate) fn untold(case: &Case, catalogue: &Catalogue, effect: &str) -> Vec<String> {
-    let of_time = |name: &&&str| catalogue.get(name).is_some_and(|e| e.card().needs.contains(&TIME));
-    untimed(case, catalogue, effect)
-        .map_or(Vec::new(), |e| e.card().look_alikes.iter().filter(of_time).map(|&n| n.to_owned()).collect())
-}
-
 /// Effects of a case that its records cannot show (faults) or hardly tell from others (remarks): where each stands in
 /// the file, and a sentence.
 pub fn needs(case: &Case, catalogue: &Catalogue) -> (Vec<Need>, Vec<Need>) {
@@ -153,40 +139,13 @@ mod tests {
         assert!(holds(&[(0.0, 0.0), (10.0, 1.0), (11.0, 2.0)]).lacks("pause or two rates").is_none());
     }
 
-    /// A case with one record that goes through these corners.
-    fn case(root: &std::path::Path, rows: &[(f64, f64)]) -> Case {
-        let mut csv = String::from("time_s,displacement_mm,force_N\n");
-        for leg in rows.windows(2) {
-            for k in 0..20 {
-                let at = |a: f64, b: f64| a + (b - a) * f64::from(k) / 20.0;
-                let (t, u) = (at(leg[0].0, leg[1].0), at(leg[0].1, leg[1].1));
-                csv += &format!("{t},{u},{}\n", 0.1 * u + 0.001 * f64::from(k % 3));
-            }
-        }
-        std::fs::write(root.join("u.csv"), csv).expect("written");
-        let text = "name = \"x\"\n[geometry]\nlength_mm = 6.0\nwidth_mm = 4.0\nthickness_mm = 0.8\ncut_mm = 1.0\n\
-                    [[tests]]\nkind = \"uniaxial\"\ndata = \"u.csv\"\n[mesh]\ndivisions = [4, 4, 1]\n\
-                    [bulk]\nmu_kPa = 5.0\nk1_kPa = 200.0\nk2 = 5.0\ngamma_deg = 40.0\nkappa = 0.2\n";
-        std::fs::write(root.join("c.toml"), text).expect("written");
-        input::read_case(&root.join("c.toml"), &effects::catalogue()).expect("a good file")
-    }
-
     #[test]
-    fn at_one_rate_effects_of_time_are_not_told_from_each_other_nor_from_play() {
-        let (root, catalogue) = (tempfile::tempdir().expect("a folder"), effects::catalogue());
-        let loops = case(root.path(), &[(0.0, 0.0), (10.0, 1.0), (15.0, 0.5), (25.0, 1.5)]);
-        assert_eq!(untold(&loops, &catalogue, "lag"), ["viscoelastic", "backlash"]);
-        assert_eq!(untold(&loops, &catalogue, "viscoelastic"), ["lag"]);
-        assert_eq!(untold(&loops, &catalogue, "backlash"), ["lag"]);
-        // Its look-alikes are no effects of time.
-        assert!(untold(&loops, &catalogue, "rate_dependent_strength").is_empty());
-        assert!(untold(&loops, &catalogue, "mullins").is_empty());
+    fn what_the_records_lack_is_said_with_what_would_do() {
+        let catalogue = effects::catalogue();
         let lag = catalogue.get("lag").expect("there is one");
         assert_eq!(
             sentence(&**lag, "one rate", "a hold"),
             "these records hold one rate: `lag` cannot be told from `viscoelastic` or `backlash`; add a hold"
         );
-        let held = case(root.path(), &[(0.0, 0.0), (10.0, 1.0), (60.0, 1.0), (65.0, 0.5), (75.0, 1.5)]);
-        assert!(untold(&held, &catalogue, "lag").is_empty());
     }
 }

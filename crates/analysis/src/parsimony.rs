@@ -4,11 +4,11 @@
 use crate::answer::{DiscoverAnswer, LadderRow, ladder_row, word};
 use crate::cost::{Phase, Within};
 use crate::identify::AnalysisError;
-use crate::journal::Journal;
+use crate::journal::{Journal, Recent};
 use crate::ladder::{FeLadder, How};
 use crate::problem::Cancelled;
-use diagnose::{Hints, Ladder, Policy, Rung, Verdict};
-use input::{Case, Value};
+use diagnose::{Policy, Rung, Verdict};
+use input::{Case, Mode, Value};
 use model::Catalogue;
 use serde::Serialize;
 use std::sync::Arc;
@@ -30,7 +30,7 @@ pub struct OneStrength {
 }
 
 /// Tries one strength against what a search with the case's areas ended with: where these explain the records without
-/// further effect, alone and with each of the effects that its screen calls for most; where they need effects, with
+/// further effect, alone and with each of the most probable effects; where they need effects, with
 /// these. `None` for a case of few areas, and where even these areas explain nothing: one strength is a special case of
 /// them.
 ///
@@ -53,24 +53,24 @@ pub fn one_strength(
     let (policy, within) = (Policy::default(), Within(cancelled));
     let cancelled: Cancelled = &within;
     let said = |line: &str| progress(&format!("one strength: {line}"));
-    let how = How { catalogue, policy: policy.clone(), progress: &said, cancelled, journal };
-    let (rungs, rows) = if many.forms.len() > case.effects.len() {
-        let mut found = case.clone();
-        found.effects.clone_from(&many.forms);
-        crate::start_at(&mut found, many.values.iter().map(|(p, v)| (p.as_str(), *v)));
-        let mut ladder = FeLadder::from_values(Arc::new(simplified(&found)), how)?;
-        let mut rung = ladder.fit(&[], &Hints::new())?;
-        let mut row = ladder_row(&ladder, &rung);
-        // To the ladder they belong to its base model, to the reader they are what was found.
-        rung.effects.clone_from(&many.effects);
-        row.effects.clone_from(&many.effects);
-        (vec![rung], vec![row])
-    } else {
-        let mut ladder = FeLadder::new(Arc::new(simplified(case)), how)?;
-        let rungs = screened(&mut ladder, &policy)?;
-        let rows = rungs.iter().map(|r| ladder_row(&ladder, r)).collect();
-        (rungs, rows)
-    };
+    let recent = Recent::new(journal);
+    let how = How { catalogue, policy: policy.clone(), progress: &said, cancelled, journal: &recent };
+    let mut found = case.clone();
+    found.effects.clone_from(&many.forms);
+    crate::start_at(&mut found, many.values.iter().map(|(p, v)| (p.as_str(), *v)));
+    let mut simple = simplified(&found);
+    // From the values of the many areas: a start of its own may end in another valley.
+    simple.identify.coarse_first = false;
+    simple.identify.mode = Mode::Joint;
+    let mut ladder = FeLadder::weighing(Arc::new(simple), how)?;
+    let mut rungs = ladder.likely(if many.effects.is_empty() { TRIED } else { 0 }, &policy)?;
+    let mut rows: Vec<LadderRow> = rungs.iter().map(|r| ladder_row(&ladder, r)).collect();
+    // To the ladder they belong to its base model, to the reader they are what was found.
+    for (rung, row) in rungs.iter_mut().zip(&mut rows) {
+        for effects in [&mut rung.effects, &mut row.effects] {
+            *effects = many.effects.iter().chain(effects.iter()).cloned().collect();
+        }
+    }
     let mut order: Vec<&Rung> = rungs.iter().collect();
     order.sort_by(|a, b| a.bic.total_cmp(&b.bic));
     let closest = order[0];
@@ -81,21 +81,6 @@ pub fn one_strength(
         as_good: as_good.iter().map(|r| r.effects.clone()).collect(),
         ladder: rows,
     }))
-}
-
-/// One strength alone and, where that explains too little, with each of the effects called for most.
-fn screened(ladder: &mut FeLadder, policy: &Policy) -> Result<Vec<Rung>, AnalysisError> {
-    let base = ladder.fit(&[], &Hints::new())?;
-    let mut rungs = vec![base.clone()];
-    if !base.explained(policy) {
-        let screen = ladder.screen(&base)?;
-        let called: Vec<_> = screen.findings.iter().filter(|f| f.significant && !f.set_aside).collect();
-        let hints: Hints = called.iter().map(|f| (f.effect.clone(), (*f).clone())).collect();
-        let sets: Vec<Vec<String>> = called.iter().take(TRIED).map(|f| vec![f.effect.clone()]).collect();
-        // One that cannot be computed is no rival.
-        rungs.extend(ladder.fit_all(&sets, &hints).into_iter().flatten());
-    }
-    Ok(rungs)
 }
 
 /// The case with one area, which begins at the mean of the areas.

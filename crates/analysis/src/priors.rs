@@ -52,8 +52,8 @@ fn given_value(case: &Case, path: &ParamPath) -> Option<f64> {
 }
 
 /// Adds priors to free parameters: the file's own first; else, where `literature`, around the value
-/// the file gives, or the literature's. With or without priors the search stays within reach of
-/// them ([`REACH`]), narrower bounds of the file first.
+/// the file gives, or the literature's; the search then stays within reach of them ([`REACH`]), narrower bounds of the file
+/// first.
 pub fn add(frees: &mut [Free], case: &Case, literature: bool) {
     let expected = expectations(case);
     for f in frees {
@@ -68,6 +68,10 @@ pub fn add(frees: &mut [Free], case: &Case, literature: bool) {
             f.prior = Some(Prior { mean, sd });
             continue;
         }
+        if !literature {
+            // A start is no belief: the parameter's own bounds, or the file's, are the only ones.
+            continue;
+        }
         let Some(&(_, Expected { median, spread })) = expected.iter().find(|l| l.0 == path) else { continue };
         let given = given_value(case, &path);
         let at = given.unwrap_or(median);
@@ -77,7 +81,7 @@ pub fn add(frees: &mut [Free], case: &Case, literature: bool) {
         }
         let sd = if given.is_some() && path.owner == Owner::Bulk { GIVEN_SD } else { spread };
         let mean = f.transform.forward(at);
-        f.prior = literature.then_some(Prior { mean, sd });
+        f.prior = Some(Prior { mean, sd });
         f.lower = f.lower.max(f.transform.backward(mean - REACH * sd));
         f.upper = f.upper.min(f.transform.backward(mean + REACH * sd));
         f.start = f.start.clamp(f.lower, f.upper);

@@ -73,7 +73,7 @@ impl Probable {
             if p > 0.0 && p < 0.005 { "< 1 %".to_owned() } else { format!("{:.0} %", 100.0 * p) }
         };
         let mut effects: Vec<(&String, &f64)> =
-            self.posterior.effects.iter().filter(|e| *e.1 >= 0.01).collect();
+            self.posterior.effects.iter().filter(|e| *e.1 >= 0.05).collect();
         effects.sort_by(|a, b| b.1.total_cmp(a.1).then(a.0.cmp(b.0)));
         let mut parts: Vec<String> =
             effects.iter().take(3).map(|(name, p)| format!("{name} {}", percent(**p))).collect();
@@ -148,7 +148,7 @@ fn beside(
         };
         for candidate in candidates {
             let larger = FeLadder::key(&[key.as_slice(), std::slice::from_ref(&candidate.effect)].concat());
-            if !ladder.rungs.contains_key(&larger) && diagnose::Ladder::compatible(ladder, &larger) {
+            if !ladder.rungs.contains_key(&larger) && ladder.compatible(&larger) {
                 asked.push((larger, at, f, candidate));
             }
         }

@@ -1,11 +1,10 @@
 //! The rungs of a ladder of models, and what makes one better than another.
 
 use crate::ratio::ratio;
-use crate::{Finding, Policy, Screen};
+use crate::{Finding, Policy};
 use inverse::Quality;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::fmt::Display;
 
 /// A fitted model: the base with a set of effects.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -83,98 +82,10 @@ impl Rung {
         let spread = policy.explained_sigmas * (2.0 / self.freedom.max(1.0)).sqrt();
         policy.explained_chi2.max(1.0 + spread)
     }
-
-    /// Whether only the model's numerical error, not the record's noise, makes the misfit small.
-    pub fn leans_on_the_mesh(&self) -> bool {
-        self.reduced_chi2 > LEANS
-    }
-
-    /// Least fall of χ² that makes an effect worth adding: more than BIC asks for where χ² is small already.
-    pub fn least_fall(&self, policy: &Policy) -> f64 {
-        match (self.reduced_chi2_total() <= self.largest_explained(policy), self.leans_on_the_mesh()) {
-            (false, _) => 0.0,
-            (true, false) => policy.min_fall_explained,
-            (true, true) => policy.min_fall_leaning,
-        }
-    }
-
-    /// χ² above what noise alone would leave.
-    pub fn excess(&self) -> f64 {
-        (self.chi2_total - self.freedom).max(0.0)
-    }
-
-    /// Whether `after` takes this share of what noise alone would not leave; of the record's noise, or with the
-    /// model's numerical error, which a misfit of its shape may hide behind.
-    pub(crate) fn loses(&self, after: &Self, share: f64) -> bool {
-        let raw = |r: &Self| r.reduced_chi2 * r.freedom;
-        self.chi2_total - after.chi2_total >= share * self.excess()
-            || raw(self) - raw(after) >= share * (raw(self) - self.freedom).max(0.0)
-    }
-}
-
-/// Whether `after`, which has more effects than `before`, pays for them: BIC falls by `add_bic`, a fair share of
-/// the excess goes, and the held-out points are not predicted worse than their sampling spread allows. Where only the
-/// mesh's error explains `before`, an effect must not lean on it more: the misfit to the record itself does not rise.
-pub fn pays(before: &Rung, after: &Rung, policy: &Policy) -> bool {
-    let gain = before.chi2_total - after.chi2_total;
-    before.bic - after.bic >= policy.add_bic
-        && gain >= policy.min_share * before.excess()
-        && gain >= before.least_fall(policy)
-        && !(before.explained(policy)
-            && before.leans_on_the_mesh()
-            && after.reduced_chi2 > before.reduced_chi2)
-        && !held_out_worse(before, after, policy)
-}
-
-fn held_out_worse(before: &Rung, after: &Rung, policy: &Policy) -> bool {
-    let (Some(x), Some(y)) = (before.held_out_chi2, after.held_out_chi2) else { return false };
-    let points = after.held_out_points.max(1) as f64;
-    y > x * (1.0 - policy.held_out_fall) + 2.0 * (2.0 / points).sqrt()
 }
 
 /// Start values for effects, from the screen that proposed them.
 pub type Hints = BTreeMap<String, Finding>;
-
-/// A model that can be fitted with any set of effects, and screened. Plugged in by the caller; this crate knows
-/// no mechanics.
-pub trait Ladder {
-    /// Why a fit or screen failed.
-    type Error: Display;
-
-    /// Fits the base model with `effects`. `hints` holds the latest finding of each effect as start values.
-    ///
-    /// # Errors
-    /// When the model cannot be fitted; the search then goes on without this set.
-    fn fit(&mut self, effects: &[String], hints: &Hints) -> Result<Rung, Self::Error>;
-
-    /// Fits several sets, none of which is a start for another; side by side where the model can. The answers
-    /// stand in the order of `sets`.
-    fn fit_all(&mut self, sets: &[Vec<String>], hints: &Hints) -> Vec<Result<Rung, Self::Error>> {
-        sets.iter().map(|effects| self.fit(effects, hints)).collect()
-    }
-
-    /// Screens the catalogue at a fitted model; effects already in it are ignored.
-    ///
-    /// # Errors
-    /// When the screen cannot be computed; the search then ends there.
-    fn screen(&mut self, rung: &Rung) -> Result<Screen, Self::Error>;
-
-    /// Whether these effects may stand together.
-    fn compatible(&self, _effects: &[String]) -> bool {
-        true
-    }
-
-    /// Effects that only something which the records do not hold would tell from `effect` (a pause or a second rate, for
-    /// effects of time): a better fit says no more than that one law's form is nearer than the other's.
-    fn untold(&self, _effect: &str) -> Vec<String> {
-        Vec::new()
-    }
-
-    /// Whether the user asked to stop; the search then ends with what it has.
-    fn interrupted(&self) -> bool {
-        false
-    }
-}
 
 /// Weights of models from an information criterion (Burnham & Anderson 2002): exp(−Δ/2), summing to 1.
 pub fn weights(criterion: &[f64]) -> Vec<f64> {

@@ -2,7 +2,6 @@
 
 mod candidate;
 mod chance;
-mod discover;
 mod foresee;
 mod ladder;
 mod pairs;
@@ -25,9 +24,8 @@ pub mod words;
 
 pub use candidate::{Amplitude, Candidate, ShapeColumns, Side};
 pub use chance::{Chance, chances};
-pub use discover::discover;
 pub use foresee::{Foreseen, Shown, foresee};
-pub use ladder::{Hints, LEANS, Ladder, Rung, pays, weights};
+pub use ladder::{Hints, LEANS, Rung, weights};
 pub use noise::{NoiseError, NoiseEstimate};
 pub use pairs::{Pair, separation};
 pub use policy::Policy;

@@ -25,38 +25,10 @@ pub struct Policy {
     pub draws: usize,
     /// Seed of the simulation.
     pub seed: u64,
-    /// Family-wise level for a pair of effects neither of which is significant alone.
-    pub pair_alpha: f64,
-    /// How many effects of a screen are refitted (besides their look-alikes); up to twice as many where they
-    /// promise about as much as the best.
-    pub refits: usize,
-    /// How many pairs are refitted where the single best leaves structure.
-    pub pair_refits: usize,
     /// Least fall of BIC for an effect to be added; 10 is "very strong".
     pub add_bic: f64,
-    /// An effect that makes BIC worse by less than this when taken away, is taken away; below `add_bic`,
-    /// so that the search cannot swing.
-    pub drop_bic: f64,
     /// A rival whose BIC is within this of the chosen effect's belongs to its group; 6 is "strong".
     pub tie_bic: f64,
-    /// Least share of χ² (above the noise floor) that an added effect must take away; keeps trifles out.
-    pub min_share: f64,
-    /// The same where the record stays unexplained in the end: an effect that takes less than half is not named, since
-    /// anything smooth bends a little towards what the catalogue does not hold.
-    pub min_share_unexplained: f64,
-    /// Least fall of χ² by an effect that is added to a model whose χ² noise explains already: p = 1e-5 or
-    /// so, since the noise's level and correlation are themselves estimates.
-    pub min_fall_explained: f64,
-    /// The same where the misfit is small only if the mesh's error is allowed for
-    /// ([`crate::Rung::leans_on_the_mesh`]): p = 1e-7 or so, since what is left is of the size of that error.
-    pub min_fall_leaning: f64,
-    /// Most effects that may promise at least half of the best one's fall on such a record, for any to be
-    /// named: where many do, it is the error of the mesh that they bend towards.
-    pub most_alike_leaning: usize,
-    /// An effect is confirmed when the held-out χ² falls at least by this share (0: any fall).
-    pub held_out_fall: f64,
-    /// Largest number of effects.
-    pub max_effects: usize,
     /// A record is explained when reduced χ² (numerical error included) is at most this, or at most
     /// 1 + `explained_sigmas`·√(2/ν): a noise sd known to 5 % moves χ² by 10 %.
     pub explained_chi2: f64,
@@ -77,19 +49,8 @@ impl Default for Policy {
             look_alike_degrees: 45.0,
             draws: 20_000,
             seed: 20_240_601,
-            pair_alpha: 1e-3,
-            refits: 3,
-            pair_refits: 2,
             add_bic: 10.0,
-            drop_bic: 6.0,
             tie_bic: 6.0,
-            min_share: 0.05,
-            min_fall_explained: 20.0,
-            min_fall_leaning: 30.0,
-            most_alike_leaning: 3,
-            min_share_unexplained: 0.5,
-            held_out_fall: 0.0,
-            max_effects: 4,
             explained_chi2: 1.2,
             explained_sigmas: 4.0,
             structure_p: 1e-6,

@@ -55,13 +55,10 @@ pub struct Finding {
     pub look_alikes: Vec<String>,
     /// The derivative does not tell; a short refit decides.
     pub refit_only: bool,
-    /// Significant, but of a size that the error of the mesh has as well, on a record that noise
-    /// explains: not named, and not excluded.
-    pub set_aside: bool,
 }
 
 /// The whole catalogue against one misfit.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Screen {
     /// Most significant first.
     pub findings: Vec<Finding>,
@@ -81,14 +78,6 @@ impl Finding {
 }
 
 impl Screen {
-    /// Sets aside what is significant: the search named nothing, and these records cannot exclude it.
-    pub fn set_aside_significant(&mut self) {
-        for f in self.findings.iter_mut().filter(|f| f.significant) {
-            f.set_aside = true;
-            f.visible = false;
-        }
-    }
-
     /// Takes the p-values of `estimated`, the same screen with the noise as estimated from the records, beside its own.
     pub fn beside(&mut self, estimated: &Screen) {
         for f in &mut self.findings {
@@ -326,7 +315,6 @@ fn finding(p: &Projected, chi2: f64, policy: &Policy) -> Finding {
         significant: false,
         look_alikes: Vec::new(),
         refit_only: c.refit_only,
-        set_aside: false,
     }
 }
 

@@ -2,8 +2,7 @@
 
 use crate::atlas::SegmentMisfit;
 use crate::dependence::Dependence;
-use crate::ladder::Rung;
-use crate::{Discovery, Finding, Policy, Verdict};
+use crate::{Finding, Policy};
 
 /// p-value from which a reader asks why an effect is not called for.
 const UNLIKELY: f64 = 0.05;
@@ -15,13 +14,6 @@ pub fn finding(f: &Finding, policy: &Policy) -> String {
         return format!("{name}: its derivative at neutral does not tell; a short refit decides.");
     }
     let alike = alike(&f.look_alikes);
-    if f.set_aside {
-        return format!(
-            "{name} would take away {:.0} % of χ² ({}): as little as the error of the mesh may do. A small amount of it cannot be excluded.{alike}",
-            100.0 * f.expected_fall,
-            p_is(f.p_shown())
-        );
-    }
     if f.significant {
         let estimate: Vec<String> = f
             .amplitudes
@@ -59,73 +51,6 @@ fn alike(names: &[String]) -> String {
         [] => String::new(),
         names => format!(" These records cannot tell it from {}.", join(names, "or")),
     }
-}
-
-/// How the search ended, and what it means.
-pub fn verdict(d: &Discovery, policy: &Policy) -> String {
-    let first = d.ladder.first().map_or(0.0, Rung::reduced_chi2_total);
-    let last = d.last().map_or(0.0, Rung::reduced_chi2_total);
-    let stopped = if d.interrupted { " The search was stopped before its end." } else { "" };
-    let text = match d.verdict {
-        Verdict::NothingMissing => {
-            let blind: Vec<String> =
-                d.screen.findings.iter().filter(|f| !f.visible).map(|f| f.effect.clone()).collect();
-            let blind = if blind.is_empty() {
-                String::new()
-            } else {
-                format!(" Whether there is {} these records cannot say.", join(&blind, "or"))
-            };
-            let why = match d.last().filter(|r| r.leans_on_the_mesh()) {
-                None => format!("the misfit is noise (reduced χ² {last:.2})"),
-                Some(r) => format!(
-                    "the misfit is no larger than noise and the mesh's own error (reduced χ² {last:.2}; {:.1} with the noise alone: a finer mesh may show more)",
-                    r.reduced_chi2
-                ),
-            };
-            format!("Nothing is missing: {why}.{blind}")
-        }
-        Verdict::Explained => {
-            let (was, it) = if d.found.len() > 1 { ("were", "them") } else { ("was", "it") };
-            format!(
-                "Missing {was} {}: with {it} reduced χ² falls from {first:.2} to {last:.2}, and no rival does as well.{}",
-                join(&d.found, "and"),
-                leaning(d)
-            )
-        }
-        Verdict::Ambiguous => {
-            let groups: Vec<String> = d.groups.iter().map(|g| join(g, "or")).collect();
-            format!(
-                "The record is explained (reduced χ² from {first:.2} to {last:.2}), but not uniquely: missing was {}, which these records cannot tell apart.{}",
-                groups.join(", and "),
-                leaning(d)
-            )
-        }
-        Verdict::Unexplained if d.found.is_empty() => format!(
-            "Something is missing that the catalogue does not hold: reduced χ² {last:.2}, and no effect pays for itself."
-        ),
-        Verdict::Unexplained => format!(
-            "{} {} (reduced χ² from {first:.2} to {last:.2}) but does not explain the record: something else is missing that the catalogue does not hold.",
-            join(&d.found, "and"),
-            if d.found.len() > 1 { "help" } else { "helps" }
-        ),
-    };
-    let close = match d.last() {
-        Some(r) if d.verdict == Verdict::Unexplained && r.structure_p < policy.structure_p => {
-            " What is left is smooth, not noise."
-        }
-        _ => "",
-    };
-    format!("{text}{close}{stopped}")
-}
-
-/// What must be said of an answer that the record's noise alone does not explain.
-fn leaning(d: &Discovery) -> String {
-    d.last().filter(|r| r.leans_on_the_mesh()).map_or(String::new(), |r| {
-        format!(
-            " Only with the mesh's own error is that so small (reduced χ² {:.1} with the noise alone): a finer mesh may show more.",
-            r.reduced_chi2
-        )
-    })
 }
 
 /// Where the misfit is: the segments that hold most of it.

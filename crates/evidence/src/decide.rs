@@ -12,10 +12,10 @@ use crate::remains::ExplainedTo;
 use serde::Serialize;
 
 /// Loss of a wrong name in units of that of abstaining.
-const WRONG_NAME: f64 = 4.0;
+pub const WRONG_NAME: f64 = 4.0;
 
 /// Mass that the sets of an answer hold.
-const CREDIBLE: f64 = 0.95;
+pub const CREDIBLE: f64 = 0.95;
 
 /// How an answer ends (as in the contract).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

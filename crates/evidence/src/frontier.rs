@@ -50,7 +50,10 @@ pub fn extend(
     let Some((_, (most, linear))) = best else { return Ok(None) };
     let evidence = Evidence::of(record, linear, rest, kernel)?;
     let mean = ln_sum_exp(asked.iter().map(|a| a.0).collect::<Vec<_>>()) - (asked.len() as f64).ln();
-    Ok(Some(Judged::new(&extension.effects, &evidence, rest, 1.0, prior).predicted(mean - most)))
+    let gain = mean - Evidence::quick(record, parent, rest, kernel)?;
+    let mut judged = Judged::new(&extension.effects, &evidence, rest, 1.0, prior).predicted(mean - most);
+    judged.gain = gain;
+    Ok(Some(judged))
 }
 
 impl Evidence {
@@ -67,7 +70,8 @@ impl Evidence {
 }
 
 /// The sets that were judged but not fitted and matter, most probable first, until what is left holds less than [`LEFT`].
-/// Empty: the search is at its end.
+/// Sets whose last effect the records speak against are not among them: an effect that they do not want stays near its
+/// neutral value, where its columns say all. Empty: the search is at its end.
 pub fn to_fit(posterior: &Posterior, models: &[Judged]) -> Vec<Vec<String>> {
     let fitted = |effects: &[String]| {
         models.iter().any(|m| {
@@ -76,10 +80,11 @@ pub fn to_fit(posterior: &Posterior, models: &[Judged]) -> Vec<Vec<String>> {
             m.fitted && own == effects
         })
     };
+    let wanted = |effects: &[String]| models.iter().any(|m| m.effects == effects && m.gain > 0.0);
     let mut open: Vec<(f64, &Vec<String>)> = posterior
         .sets
         .iter()
-        .filter(|s| !fitted(&s.effects))
+        .filter(|s| !fitted(&s.effects) && wanted(&s.effects))
         .map(|s| (s.probability + s.with_something_else, &s.effects))
         .collect();
     open.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(b.1)));
@@ -104,12 +109,18 @@ mod tests {
         let names = |s: &str| s.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
         let prior = SetPrior { expected: 0.5, catalogue: 1, beyond: 1e-12, factor: 2.0 };
         let judged = |s: &str, p: f64| Judged::from_numbers(&names(s), p.ln(), -700.0);
+        let open = |s: &str, p: f64, gain: f64| {
+            let mut out = judged(s, p).predicted(0.0);
+            out.gain = gain;
+            out
+        };
         let models = [
             judged("", 0.5),
             judged("a", 0.3),
-            judged("b", 0.15).predicted(0.0),
-            judged("c", 0.045).predicted(0.0),
-            judged("d", 0.005).predicted(0.0),
+            open("b", 0.10, 1.0),
+            open("c", 0.045, 0.1),
+            open("d", 0.005, 2.0),
+            open("n", 0.05, -0.2),
         ];
         let posterior = Posterior::of(&models, &prior);
         assert_eq!(to_fit(&posterior, &models), [names("b"), names("c")]);

@@ -19,7 +19,7 @@ pub mod scores;
 pub mod special;
 mod truncated;
 
-pub use decide::{Decision, Verdict, decide};
+pub use decide::{CREDIBLE, Decision, Verdict, WRONG_NAME, decide};
 pub use frontier::{Extension, HOPELESS, LEFT, extend, hopeless, to_fit};
 pub use intervals::Interval;
 pub use linear::{Linear, Parameter};

@@ -44,6 +44,8 @@ pub struct Judged {
     pub ln_form: f64,
     /// Whether it was fitted, or extended from a smaller model's columns.
     pub fitted: bool,
+    /// What it gains in ln Z over the model it was extended from; 0 for what was fitted.
+    pub gain: f64,
     /// ln Z (complete model's rest, cause from outside) in the ways of asking.
     values: [[f64; 2]; 5],
 }
@@ -73,23 +75,30 @@ impl Judged {
             effects: effects.to_vec(),
             ln_form: form_share.max(f64::MIN_POSITIVE).ln(),
             fitted: true,
+            gain: 0.0,
             values,
         }
     }
 
     /// From numbers alone: the same in every way of asking.
     pub fn from_numbers(effects: &[String], ln_z: f64, ln_z_else: f64) -> Self {
-        Self { effects: effects.to_vec(), ln_form: 0.0, fitted: true, values: [[ln_z, ln_z_else]; 5] }
+        Self {
+            effects: effects.to_vec(),
+            ln_form: 0.0,
+            fitted: true,
+            gain: 0.0,
+            values: [[ln_z, ln_z_else]; 5],
+        }
     }
 
     /// Another set that was fitted: this one's evidence and what it has more.
     pub fn with_effects(&self, effects: &[String], more: f64) -> Self {
-        Self { fitted: true, ..self.extended(effects, more) }
+        Self { fitted: true, gain: 0.0, ..self.extended(effects, more) }
     }
 
     /// A larger set that was not fitted: this one's evidence and what it gains.
     pub fn extended(&self, effects: &[String], gain: f64) -> Self {
-        Self { effects: effects.to_vec(), ..self.clone() }.predicted(gain)
+        Self { effects: effects.to_vec(), gain, ..self.clone() }.predicted(gain)
     }
 
     /// ln Z with a complete model's rest.

@@ -154,6 +154,9 @@ impl Session {
         let mut case = (*case).clone();
         let values = answer.parameters.iter().map(|p| (p.path.as_str(), p.value));
         analysis::start_at(&mut case, values);
+        // These values are an answer: nothing is searched again.
+        case.identify.max_iterations = 0;
+        case.identify.coarse_first = false;
         Ok(Arc::new(case))
     }
 

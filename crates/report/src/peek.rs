@@ -35,3 +35,21 @@ pub fn groups(diagnosis: &Value) -> Vec<String> {
     };
     rows(diagnosis, "groups").iter().map(names).collect()
 }
+
+/// Probabilities of five percent or more, most probable effect first; "nothing is missing" and "something else" come last and
+/// always. Empty where an answer has none.
+pub fn probabilities(answer: &Value) -> Vec<(String, f64)> {
+    let Some(posterior) = answer.get("posterior").filter(|p| p.is_object()) else { return Vec::new() };
+    let effects = posterior.get("effects").and_then(Value::as_object).into_iter().flatten();
+    let mut all: Vec<(String, f64)> = effects
+        .filter_map(|(name, p)| p.as_f64().map(|p| (name.clone(), p)))
+        .filter(|(_, p)| *p >= LISTED)
+        .collect();
+    all.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    let last = [("nothing is missing", "nothing"), ("something else", "something_else")];
+    all.extend(last.map(|(name, key)| (name.to_owned(), number(posterior, key).unwrap_or(0.0))));
+    all
+}
+
+/// Least probability that is listed: an effect that the records say nothing of keeps some 3 %.
+const LISTED: f64 = 0.05;

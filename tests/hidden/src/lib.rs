@@ -1,5 +1,5 @@
 //! The hidden-effect study: makes specimen folders in which a known effect is hidden, lets the search
-//! ([`diagnose::discover`] on [`analysis::FeLadder`]) loose on them, and reports how often its answer was right.
+//! ([`analysis::FeLadder::weighed`]) loose on them, and reports how often its answer was right.
 //!
 //! The records are computed on other meshes, with other steps and another integration of the interface than the
 //! identification uses, and carry noise. Laws are shared with the product, though: the outside suite of practice

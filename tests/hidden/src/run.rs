@@ -5,7 +5,7 @@ use crate::files::{self, Truth};
 use crate::imitate;
 use crate::outcome::{End, Outcome, ScreenRow, Step};
 use analysis::FeLadder;
-use diagnose::{Discovery, Ladder, Policy, Rung, Verdict};
+use diagnose::{Discovery, Policy, Rung, Verdict};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
@@ -103,7 +103,7 @@ fn search(
     let case = input::read_case(&folder.join("config.toml"), &catalogue).map_err(|e| e.to_string())?;
     let policy = Policy::default();
     let late = || Instant::now() >= deadline;
-    let mut ladder = FeLadder::new(
+    let mut ladder = FeLadder::weighing(
         Arc::new(case),
         analysis::How {
             catalogue: &catalogue,
@@ -114,8 +114,8 @@ fn search(
         },
     )
     .map_err(|e| e.to_string())?;
-    let d = ladder.search().map_err(|e| e.to_string())?;
-    Ok(answer(truth.clone(), &ladder, &d, &policy))
+    let found = ladder.weighed().map_err(|e| e.to_string())?;
+    Ok(answer(truth.clone(), &ladder, &found.discovery, &policy))
 }
 
 fn answer(truth: Truth, ladder: &FeLadder, d: &Discovery, policy: &Policy) -> Outcome {

@@ -16,7 +16,7 @@ mod printed;
 mod study;
 
 use analysis::{Control, FeLadder, FeProblem, Identified, Measured};
-use diagnose::{Finding, Hints, Ladder, Policy};
+use diagnose::{Finding, Policy};
 use input::Case;
 use inverse::{Problem, Random};
 use model::{Discretisation, Model};
@@ -110,7 +110,7 @@ fn repeat(
     draw_priors(&mut case, truth, &mut random);
     let catalogue = effects::catalogue();
     let quiet = |_: &str| {};
-    let mut ladder = FeLadder::new(
+    let mut ladder = FeLadder::weighing(
         Arc::new(case),
         analysis::How {
             catalogue: &catalogue,
@@ -121,8 +121,7 @@ fn repeat(
         },
     )
     .expect("a ladder");
-    let base = ladder.fit(&[], &Hints::new()).unwrap_or_else(|e| panic!("{e}"));
-    let screen = ladder.screen(&base).unwrap_or_else(|e| panic!("{e}"));
+    let screen = ladder.weighed_by_columns().unwrap_or_else(|e| panic!("{e}")).discovery.screen;
     let of = |p: fn(&Finding) -> f64| -> Vec<(String, f64)> {
         screen.findings.iter().filter(|f| !f.refit_only).map(|f| (f.effect.clone(), p(f))).collect()
     };

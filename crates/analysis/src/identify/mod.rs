@@ -176,29 +176,74 @@ pub fn identify(
     control: &Control,
 ) -> Result<Identified, AnalysisError> {
     let case = crate::condensed(&case);
-    let fine = Model::checked(case.clone(), catalogue, Discretisation::default(), Purpose::Fit)?;
-    let coarse = coarse_model(&case, catalogue)?;
-    let cheaper = cheap_model(&case, catalogue)?;
-    let options = run_options(&case);
-    let wanted = fine.recorded();
-    let measured = Measured::of(&fine, &wanted)?;
+    let models = Models::of(&case, catalogue)?;
+    let measured = Measured::of(&models.fine, &models.fine.recorded())?;
     let recent = Recent::new(control.journal);
     let control = &Control { journal: &recent, ..*control };
-    let mut work = Work::new(&case, fine.theta(), options, control);
-    if cheaper.is_some() {
-        work.search = fewer_steps(options);
+    let (work, list) = models.search(&case, catalogue, control)?;
+    let Models { fine, coarse, cheap } = models;
+    work.finish(fine, (coarse, cheap), measured, &list, catalogue)
+}
+
+/// Where the search of an identification ends.
+pub(crate) struct Searched {
+    /// All values.
+    pub theta: Vec<f64>,
+    /// Whether all parameters moved together in the end.
+    pub joint: bool,
+    /// Forward runs.
+    pub runs: usize,
+}
+
+/// The values that [`identify`] answers with, without what it says about them.
+pub(crate) fn searched(
+    case: &Arc<Case>,
+    catalogue: &Catalogue,
+    control: &Control,
+) -> Result<Searched, AnalysisError> {
+    let models = Models::of(case, catalogue)?;
+    let (work, list) = models.search(case, catalogue, control)?;
+    let joint = list.last().is_some_and(|l| l.0 == Stage::Joint);
+    Ok(Searched { joint, runs: work.runs, theta: work.theta })
+}
+
+/// One case on the meshes of a search.
+struct Models {
+    fine: Model,
+    coarse: Option<Model>,
+    cheap: Option<Model>,
+}
+
+impl Models {
+    fn of(case: &Arc<Case>, catalogue: &Catalogue) -> Result<Self, AnalysisError> {
+        let fine = Model::checked(case.clone(), catalogue, Discretisation::default(), Purpose::Fit)?;
+        Ok(Self { fine, coarse: coarse_model(case, catalogue)?, cheap: cheap_model(case, catalogue)? })
     }
-    let mut list = stages(&fine, case.identify.mode);
-    if list.is_empty() {
-        return Err(AnalysisError::Case("no parameter is free".into()));
+
+    /// The search, and the stages that it went through.
+    fn search<'a>(
+        &self,
+        case: &'a Arc<Case>,
+        catalogue: &Catalogue,
+        control: &'a Control<'a>,
+    ) -> Result<(Work<'a>, Vec<StagePlan>), AnalysisError> {
+        let options = run_options(case);
+        let mut work = Work::new(case, self.fine.theta(), options, control);
+        if self.cheap.is_some() {
+            work.search = fewer_steps(options);
+        }
+        let mut list = stages(&self.fine, case.identify.mode);
+        if list.is_empty() {
+            return Err(AnalysisError::Case("no parameter is free".into()));
+        }
+        let (coarse, cheap) = (self.coarse.as_ref(), self.cheap.as_ref());
+        let search = Search { case, catalogue, fine: &self.fine, coarse, cheap };
+        search.run(&mut work, &list)?;
+        if case.identify.release_bulk && staged(&list) && work.tear_left.unexplained() {
+            list.extend(search.release(&mut work));
+        }
+        Ok((work, list))
     }
-    let cheap = cheaper.as_ref();
-    let search = Search { case: &case, catalogue, fine: &fine, coarse: coarse.as_ref(), cheap };
-    search.run(&mut work, &list)?;
-    if case.identify.release_bulk && staged(&list) && work.tear_left.unexplained() {
-        list.extend(search.release(&mut work));
-    }
-    work.finish(fine, (coarse, cheaper), measured, &list, catalogue)
 }
 
 /// A case on a mesh about twice as coarse: half the divisions, where the file gives them; otherwise its sizes are coarsened

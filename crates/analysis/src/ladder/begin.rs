@@ -49,7 +49,7 @@ impl FeLadder<'_> {
             }
             let (correction, states, enough) =
                 (base.correction.clone(), self.guesses(base, &model), base.fit.f);
-            match self.fit_rung(model, theta, correction, states) {
+            match self.fit_model(model, theta, correction, states) {
                 Ok(f) if f.fit.f <= enough => return Ok(f),
                 Ok(f) if best.as_ref().is_ok_and(|b| b.fit.f <= f.fit.f) => {}
                 Err(e) if self.cancelled.stops() => return Err(e),
@@ -110,24 +110,22 @@ impl FeLadder<'_> {
         Ok(best.1)
     }
 
-    /// Once more where an effect of the tear path leaves the model far from the record: the lack of it may have bent the
-    /// base beyond recognition, so from the values that the base's own fit began with, and the effect's. The better of
-    /// the two fits.
+    /// Once more from the values that a search from the record alone begins with, and the effect's own: the lack of it may
+    /// have bent the base beyond recognition. The better of the two fits.
     pub(super) fn again_from_the_beginning(&self, effects: &[String], first: Fitted) -> Fitted {
         let key = Self::key(effects);
-        let on_path =
-            |e: &String| self.catalogue.get(e).is_some_and(|e| e.card().site == model::Site::Interface);
-        let (true, Some(base), Some(bare)) =
-            (effects.last().is_some_and(on_path), self.nearest(&key), self.rungs.get(&Vec::new()))
-        else {
+        let (Some(base), Some(bare)) = (self.nearest(&key), self.rungs.get(&Vec::new())) else {
             return first;
         };
         let Ok((model, _)) = self.begun(effects, &diagnose::Hints::new(), base, 1.0) else {
             return first;
         };
         let theta = transfer(&bare.model, &self.first, &model);
-        (self.progress)(&format!("{}: once more from where the base's fit began", super::named(effects)));
-        match self.fit_rung(model, theta, base.correction.clone(), Vec::new()) {
+        (self.progress)(&format!(
+            "{}: once more from where the record's own start is",
+            super::named(effects)
+        ));
+        match self.fit_model(model, theta, base.correction.clone(), Vec::new()) {
             Ok(f) if f.fit.f < first.fit.f => f,
             _ => first,
         }

@@ -1,46 +1,38 @@
-//! Fits of a rung on the search mesh, and their correction by what the file's mesh says more.
+//! Fits on the search's mesh.
 
 use super::{FeLadder, Fitted};
-use crate::columns::transfer;
 use crate::correction::Correction;
 use crate::cost::Phase;
-use crate::identify::{AnalysisError, frees, run_options};
+use crate::identify::{AnalysisError, frees};
 use crate::journal::{Asked, remembered};
 use crate::problem::FeProblem;
 use crate::{priors, start};
-use input::EffectConfig;
-use inverse::{FitOptions, Iterate, Objective, Problem as _, quality};
-use model::{Discretisation, Model};
-use nalgebra::DVector;
+use inverse::{FitOptions, Iterate, Objective, quality};
+use model::Model;
 use std::ops::ControlFlow;
-use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 /// Relative fall of χ² that is worth another step of the search. Steps are as long as they are safe: a little fall
 /// is a short step more often than the end.
 pub(super) const TOLERANCE: f64 = 1e-3;
 
-/// The same while the model is far from the record: what is left then is not for its parameters to explain.
+/// A fit that has gained less than this share of the base's χ², and gains less than that share in a step, is left: what it
+/// has not gained by then it will not.
+const LITTLE: f64 = 0.9;
 const COARSE_TOLERANCE: f64 = 2e-2;
 
-/// Reduced χ² from which a model counts as far from the record.
-const UNEXPLAINED: f64 = 1.5;
+/// Steps of a fit at most.
+const STEPS: usize = 24;
+
+/// Three steps in a row that lower χ² by less than this end the fit of what is weighed.
+const INSIGNIFICANT: f64 = 0.25;
 
 /// Trials of one step before the search is content. From the sixth on they must promise what is worth another step:
 /// the fits of a search begin where one trial in two is the bent one, so fewer hardly damp them.
 const TRIALS: usize = 10;
 
-/// Reduced χ² beyond which a model is far from the record.
+/// Reduced χ² beyond which a base model may be bent beyond recognition by what it lacks.
 pub(super) const FAR: f64 = 3.0;
-
-/// Rounds of fit and correction at most.
-const ROUNDS: usize = 2;
-
-/// A correction that moves by less than this (rms, in noise sd) stands.
-const SETTLED: f64 = 0.3;
-
-/// A rung is worth its own correction when its χ² is within this factor of the best so far.
-const PROMISING: f64 = 1.5;
 
 /// A fit that is still this many times worse than the best model known, after so many steps, and has not halved its
 /// misfit in the last of them, is given up: it will not be chosen.
@@ -49,26 +41,8 @@ const PATIENCE: usize = 4;
 const HALVED: f64 = 0.5;
 
 impl FeLadder<'_> {
-    /// The base fit: a start if one is wanted, coarse fit, the finer mesh's correction, fit again.
-    pub(super) fn base(&mut self, start: bool) -> Result<(), AnalysisError> {
-        let mut fitted = self.begun_base(start)?;
-        for _ in 0..ROUNDS {
-            let Some(correction) = self.correction_of(&fitted)? else { break };
-            let settled = self.change(&correction, &fitted.correction.shift) < SETTLED;
-            self.measured = self.measured.clone().with_numerical_error(&correction);
-            let correction = Correction::constant(correction);
-            fitted = self.fit_model(fitted.model, fitted.theta, TOLERANCE, correction, fitted.warm)?;
-            // A model that misses the record by far is not the answer: once is enough.
-            if settled || fitted.quality.reduced_chi2_total > FAR {
-                break;
-            }
-        }
-        self.rungs.insert(Vec::new(), fitted);
-        Ok(())
-    }
-
-    /// The base on the search's mesh alone.
-    pub(super) fn begun_base(&mut self, start: bool) -> Result<Fitted, AnalysisError> {
+    /// Values that a search from the record alone would begin with: no fit has bent them.
+    pub(super) fn unbent(&self) -> Result<Vec<f64>, AnalysisError> {
         let model = Model::new(self.case.clone(), self.catalogue, self.how)?;
         let mut theta = model.theta();
         let say = self.progress;
@@ -78,53 +52,10 @@ impl FeLadder<'_> {
         };
         let quiet = crate::Control { progress: &shown, cancelled: self.cancelled, journal: self.journal };
         self.cancelled.phase(Phase::Start);
-        if start && let Some(start) = start::for_case(&self.case, self.catalogue, self.options, &quiet)? {
+        if let Some(start) = start::for_case(&self.case, self.catalogue, self.options, &quiet)? {
             start::spread(&model, &start, &mut theta);
         }
-        self.first.clone_from(&theta);
-        self.cancelled.phase(Phase::Base);
-        self.fit_model(model, theta, 1e-2, Correction::default(), Vec::new())
-    }
-
-    /// What the file's mesh says more than the search mesh, at a fit; `None` where it cannot be
-    /// computed.
-    fn correction_of(&self, f: &Fitted) -> Result<Option<DVector<f64>>, AnalysisError> {
-        let added: Vec<EffectConfig> = f.model.case.effects.clone();
-        let mut case = (*self.fine_case).clone();
-        case.effects = added;
-        let fine = Model::new(Arc::new(case), self.catalogue, Discretisation::default())?;
-        let theta = transfer(&f.model, &f.theta, &fine);
-        let mut options = run_options(&self.case);
-        // A run that struggles on the finer mesh is not worth waiting for.
-        options.march.budget = 2 * crate::identify::TRIAL_BUDGET;
-        // As in the search: far below what the mesh does.
-        options.march.newton.tolerance = self.options.march.newton.tolerance;
-        let slots = &self.measured.slots;
-        let problem = FeProblem::new(&fine, theta, Vec::new(), slots, options, self.cancelled);
-        self.runs.fetch_add(1, Ordering::Relaxed);
-        (self.progress)("numerical error: one run on the file's mesh");
-        match problem.predict(&[], false) {
-            Ok(p) if f.correction.shift.len() == p.values.len() => {
-                Ok(Some(&p.values - (&f.fit.prediction.values - &f.correction.shift)))
-            }
-            Ok(p) => Ok(Some(&p.values - &f.fit.prediction.values)),
-            Err(inverse::PredictError::Interrupted) => Err(inverse::PredictError::Interrupted.into()),
-            Err(e) => {
-                (self.progress)(&format!("the file's mesh gives no answer here: {e}"));
-                Ok(None)
-            }
-        }
-    }
-
-    /// Root mean square of the change of a correction, in standard deviations of the noise.
-    fn change(&self, a: &DVector<f64>, b: &DVector<f64>) -> f64 {
-        let d = if b.len() == a.len() { a - b } else { a.clone() };
-        let blocks = &self.measured.data.blocks;
-        let sum: f64 = blocks
-            .iter()
-            .map(|k| d.rows(k.range.start, k.range.len()).norm_squared() / k.noise.sd.powi(2))
-            .sum();
-        (sum / d.len().max(1) as f64).sqrt()
+        Ok(theta)
     }
 
     /// The states of a fitted rung as first guesses for another model of the same tests.
@@ -136,53 +67,23 @@ impl FeLadder<'_> {
         of.warm.iter().enumerate().map(one).collect()
     }
 
-    /// Fits a rung; one that promises to be the answer gets its own correction.
-    pub(super) fn fit_rung(
-        &self,
-        model: Model,
-        theta: Vec<f64>,
-        start: Correction,
-        states: Vec<Option<fem::Warm>>,
-    ) -> Result<Fitted, AnalysisError> {
-        self.corrected(self.fit_model(model, theta, TOLERANCE, start, states)?)
+    /// Free parameters as a fit sees them.
+    pub(super) fn frees(&self, model: &Model, theta: &[f64], free: &[usize]) -> Vec<inverse::Free> {
+        let mut list = frees(model, theta, free);
+        priors::add(&mut list, &self.case, self.case.identify.priors.literature.unwrap_or(false));
+        list
     }
 
-    /// A fit with a correction of its own, where it promises to be the answer.
-    pub(super) fn corrected(&self, mut fitted: Fitted) -> Result<Fitted, AnalysisError> {
-        // What is weighed has a correction of first order already.
-        if self.objective == Objective::Record {
-            return Ok(fitted);
-        }
-        let best = self.rungs.values().map(|f| f.quality.reduced_chi2_total).fold(f64::INFINITY, f64::min);
-        for round in 0..ROUNDS {
-            let chi2 = fitted.quality.reduced_chi2_total;
-            if chi2 > PROMISING * best || round > 0 && chi2 > UNEXPLAINED {
-                break;
-            }
-            let Some(correction) = self.correction_of(&fitted)? else { break };
-            let change = self.change(&correction, &fitted.correction.shift);
-            let correction = Correction::constant(correction);
-            fitted = self.fit_model(fitted.model, fitted.theta, TOLERANCE, correction, fitted.warm)?;
-            if change < SETTLED {
-                break;
-            }
-        }
-        Ok(fitted)
-    }
-
-    /// Fits a model from θ on all data (joint, whitened, with priors).
+    /// Fits a model from θ on all data.
     pub(super) fn fit_model(
         &self,
         model: Model,
         theta: Vec<f64>,
-        tolerance: f64,
         correction: Correction,
         states: Vec<Option<fem::Warm>>,
     ) -> Result<Fitted, AnalysisError> {
         let free = model.free();
-        let mut list = frees(&model, &theta, &free);
-        let literature = self.case.identify.priors.literature.unwrap_or(true);
-        priors::add(&mut list, &self.case, literature);
+        let list = self.frees(&model, &theta, &free);
         let (fit, warm) = {
             let mut problem = FeProblem::new(
                 &model,
@@ -196,9 +97,10 @@ impl FeLadder<'_> {
             problem.correction = correction.clone();
             problem.start_from(states);
             let options = FitOptions {
-                objective: self.objective,
-                tolerance,
-                max_iterations: 12,
+                objective: Objective::Record,
+                tolerance: TOLERANCE,
+                max_iterations: STEPS,
+                insignificant: INSIGNIFICANT,
                 max_trials: TRIALS,
                 initial_damping: 1e-2,
                 // A rejected trial needs none, and derivatives cost as much as a run.
@@ -209,7 +111,7 @@ impl FeLadder<'_> {
             let progress = self.progress;
             let names = super::named(&model.effects());
             let best = self.rungs.values().map(|f| f.fit.f).fold(f64::INFINITY, f64::min);
-            let far = UNEXPLAINED * self.measured.data.points() as f64;
+            let far = LITTLE * self.rungs.get(&Vec::new()).map_or(f64::INFINITY, |f| f.fit.f);
             let mut last = f64::INFINITY;
             let mut watch = |i: &Iterate| {
                 if let Some(f) = i.f {

@@ -1,6 +1,5 @@
 //! The effects of a rung as configurations: their start values, and other forms of the same effect.
 
-use super::fit::TOLERANCE;
 use super::{FeLadder, Fitted};
 use crate::columns::{config_of, config_with, scales, transfer};
 use crate::identify::AnalysisError;
@@ -11,21 +10,15 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 impl FeLadder<'_> {
-    /// The same effects with one of them in another form, where the fit helps but leaves structure,
-    /// as long as a form pays for its parameters. Forms are compared under the first one's numerical
-    /// correction; the last one gets its own.
-    pub(super) fn enrich(&self, mut f: Fitted) -> Result<Fitted, AnalysisError> {
-        let best = self.rungs.values().map(|r| r.quality.reduced_chi2_total).fold(f64::INFINITY, f64::min);
-        if f.quality.reduced_chi2_total > best {
-            return Ok(f);
-        }
-        let mut changed = false;
+    /// The same effects with one of them in another form, where the fit leaves structure and a form pays for its parameters.
+    pub(super) fn best_form(&self, f: &Fitted) -> Result<Option<Fitted>, AnalysisError> {
+        let mut best: Option<Fitted> = None;
         for at in 0..f.model.case.effects.len() {
-            while let Some(better) = self.better_form(&f, at)? {
-                (f, changed) = (better, true);
+            while let Some(better) = self.better_form(best.as_ref().unwrap_or(f), at)? {
+                best = Some(better);
             }
         }
-        if changed { self.corrected(f) } else { Ok(f) }
+        Ok(best)
     }
 
     /// The first other form of one effect that pays, if the record is not explained yet.
@@ -52,7 +45,7 @@ impl FeLadder<'_> {
                 }
             }
             (self.progress)(&format!("{} in another form: {}", config.name, in_words(&settings)));
-            let fitted = self.fit_model(model, theta, TOLERANCE, f.correction.clone(), Vec::new())?;
+            let fitted = self.fit_model(model, theta, f.correction.clone(), Vec::new())?;
             if fitted.quality.bic + self.policy.add_bic < f.quality.bic {
                 return Ok(Some(fitted));
             }

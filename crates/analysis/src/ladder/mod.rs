@@ -1,19 +1,19 @@
 //! The finite-element model as a ladder: fits with any set of effects, and screens at each rung.
 //!
-//! Fits run on a mesh coarser than the file's, corrected by what the file's mesh says more at the
-//! fit (defect correction, repeated until it stands); the same difference tells the numerical error
-//! that every χ², test and interval carries.
+//! Fits run on a mesh coarser than the file's, put right to first order by what the file's mesh says more; the models that
+//! matter are fitted on the file's mesh itself.
 
 mod adds;
 mod begin;
+mod decided;
 mod fit;
 mod forms;
 pub(crate) mod next_test;
 mod rung;
-mod search;
 mod weighing;
 
 pub use adds::Adds;
+pub use decided::Weighed;
 pub use next_test::{NextTest, Tried};
 use weighing::FineStates;
 
@@ -21,26 +21,17 @@ use crate::columns::Base;
 use crate::correction::Correction;
 use crate::cost::Phase;
 use crate::data::Measured;
-use crate::identify::{AnalysisError, coarser, run_options};
+use crate::identify::{AnalysisError, coarser, fewer_steps, run_options};
 use crate::journal::Journal;
 use crate::problem::Cancelled;
 use diagnose::{Candidate, Policy, Rung, Screen};
 use input::Case;
-use inverse::{Data, Fit, Free, Noise, Objective, Quality, Whitened};
+use inverse::{Data, Fit, Free, Noise, Quality, Whitened};
 use model::cost::Purpose;
 use model::{Catalogue, Discretisation, Model, RunOptions};
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// Steps and tolerance of the search: the numerical error that every test carries includes them.
-fn search_options(case: &Case) -> RunOptions {
-    let mut o = run_options(case);
-    (o.tearing_steps, o.uniaxial_steps) = (30, 14);
-    o.march.newton.tolerance = o.march.newton.tolerance.max(1e-7);
-    o
-}
 
 /// A fitted rung with everything a screen or a report needs.
 pub struct Fitted {
@@ -80,12 +71,16 @@ pub struct FeLadder<'a> {
     pub candidates: Vec<Candidate>,
     /// Candidates of every screen, by the rung's sorted effects.
     pub screened: BTreeMap<Vec<String>, Vec<Candidate>>,
+    /// Sets that could not be fitted, and why.
+    pub failed: BTreeMap<Vec<String>, String>,
+    /// Screen at each set where there was one.
+    pub(crate) screens: BTreeMap<Vec<String>, Screen>,
+    /// The base model as `fct identify` finds it, where all parameters together end elsewhere.
+    identified: Option<Fitted>,
     /// Values that the base's fit began with.
     first: Vec<f64>,
     runs: AtomicUsize,
     policy: Policy,
-    /// What fits minimise.
-    objective: Objective,
     /// States on the file's mesh at the base's optimum: first guesses there.
     fine_states: Option<FineStates>,
     progress: &'a (dyn Fn(&str) + Sync),
@@ -93,26 +88,6 @@ pub struct FeLadder<'a> {
 }
 
 impl<'a> FeLadder<'a> {
-    /// Fits the case's own model and finds the numerical error.
-    ///
-    /// # Errors
-    /// [`AnalysisError`].
-    pub fn new(case: Arc<Case>, how: How<'a>) -> Result<Self, AnalysisError> {
-        let mut ladder = Self::unfitted(case, how)?;
-        ladder.base(true)?;
-        Ok(ladder)
-    }
-
-    /// The same, with the values of the case as the start of its fit.
-    ///
-    /// # Errors
-    /// [`AnalysisError`].
-    pub fn from_values(case: Arc<Case>, how: How<'a>) -> Result<Self, AnalysisError> {
-        let mut ladder = Self::unfitted(case, how)?;
-        ladder.base(false)?;
-        Ok(ladder)
-    }
-
     fn unfitted(case: Arc<Case>, how: How<'a>) -> Result<Self, AnalysisError> {
         let How { catalogue, policy, progress, cancelled, journal } = how;
         let case = crate::condensed(&case);
@@ -126,16 +101,18 @@ impl<'a> FeLadder<'a> {
             fine_case: case.clone(),
             catalogue,
             how: mesh,
-            options: search_options(&case),
+            options: fewer_steps(run_options(&case)),
             cancelled,
             measured,
             rungs: BTreeMap::new(),
             candidates: Vec::new(),
             screened: BTreeMap::new(),
+            failed: BTreeMap::new(),
+            screens: BTreeMap::new(),
+            identified: None,
             first: Vec::new(),
             runs: AtomicUsize::new(0),
             policy,
-            objective: Objective::Whitened,
             fine_states: None,
             progress,
             journal,
@@ -163,54 +140,12 @@ fn named(effects: &[String]) -> String {
     if effects.is_empty() { "base model".into() } else { format!("with {}", effects.join(" + ")) }
 }
 
-impl diagnose::Ladder for FeLadder<'_> {
-    type Error = AnalysisError;
-
-    fn fit(&mut self, effects: &[String], hints: &diagnose::Hints) -> Result<Rung, AnalysisError> {
-        self.fit_all(&[effects.to_vec()], hints).swap_remove(0)
-    }
-
-    /// Side by side: every fit sees the rungs that were there before the call, so that the answer does not
-    /// depend on which ends first.
-    fn fit_all(&mut self, sets: &[Vec<String>], hints: &diagnose::Hints) -> Vec<Result<Rung, AnalysisError>> {
-        self.cancelled.phase(Phase::Candidates);
-        let this = &*self;
-        let one = |effects: &Vec<String>| {
-            let key = Self::key(effects);
-            if this.rungs.contains_key(&key) {
-                return Ok(None);
-            }
-            let fitted = this.fit_near_neutral_if_need_be(&key, effects, hints)?;
-            this.enrich(fitted).map(Some)
-        };
-        let mut fitted: Vec<Result<Option<Fitted>, AnalysisError>> = sets.par_iter().map(one).collect();
-        let all_far = |f: &Result<Option<Fitted>, AnalysisError>| !matches!(f, Ok(Some(f)) if f.quality.reduced_chi2_total <= fit::FAR);
-        if fitted.iter().all(all_far) {
-            let again = |(effects, first): (&Vec<String>, Result<Option<Fitted>, AnalysisError>)| {
-                Ok(first?.map(|f| this.again_from_the_beginning(effects, f)))
-            };
-            fitted = sets.par_iter().zip(fitted).map(again).collect();
-        }
-        let keep = |(effects, fitted): (&Vec<String>, Result<Option<Fitted>, AnalysisError>)| {
-            let key = Self::key(effects);
-            if let Some(f) = fitted? {
-                self.rungs.insert(key.clone(), f);
-            }
-            let rung = self.rung(effects, &self.rungs[&key]);
-            let held_out = rung.held_out_chi2.map_or(String::new(), |h| format!(", held out {h:.2}"));
-            (self.progress)(&format!(
-                "{}: reduced χ² {:.2} (with numerical error {:.2}), BIC {:.1}{held_out}",
-                named(effects),
-                rung.reduced_chi2,
-                rung.reduced_chi2_total(),
-                rung.bic
-            ));
-            Ok(rung)
-        };
-        sets.iter().zip(fitted).map(keep).collect()
-    }
-
-    fn screen(&mut self, rung: &Rung) -> Result<Screen, AnalysisError> {
+impl FeLadder<'_> {
+    /// The catalogue's score tests at a fitted rung, from its derivatives there.
+    ///
+    /// # Errors
+    /// [`AnalysisError`].
+    pub fn screen(&mut self, rung: &Rung) -> Result<Screen, AnalysisError> {
         let key = Self::key(&rung.effects);
         let Some(f) = self.rungs.get(&key) else {
             return Err(AnalysisError::Case("screen before fit".into()));
@@ -245,7 +180,8 @@ impl diagnose::Ladder for FeLadder<'_> {
         Ok(screen)
     }
 
-    fn compatible(&self, effects: &[String]) -> bool {
+    /// Whether these effects may stand together.
+    pub(crate) fn compatible(&self, effects: &[String]) -> bool {
         effects.iter().all(|a| {
             self.catalogue
                 .get(a)
@@ -253,11 +189,8 @@ impl diagnose::Ladder for FeLadder<'_> {
         })
     }
 
-    fn untold(&self, effect: &str) -> Vec<String> {
-        crate::needs::untold(&self.case, self.catalogue, effect)
-    }
-
-    fn interrupted(&self) -> bool {
+    /// Whether the user asked to stop; a search then ends with what it has.
+    pub fn interrupted(&self) -> bool {
         self.cancelled.stops()
     }
 }
@@ -268,13 +201,17 @@ impl<'a> FeLadder<'a> {
         self.runs.load(Ordering::Relaxed)
     }
 
-    /// The fitted rung with the most of these effects: the start of a new fit.
+    /// The fitted rung with the most of these effects, of several that which misses the records least: the start of a new
+    /// fit.
     fn nearest(&self, key: &[String]) -> Option<&Fitted> {
+        self.nearest_of(key).map(|(_, f)| f)
+    }
+
+    fn nearest_of(&self, key: &[String]) -> Option<(&Vec<String>, &Fitted)> {
         self.rungs
             .iter()
             .filter(|(k, _)| k.iter().all(|e| key.contains(e)))
-            .max_by_key(|(k, _)| k.len())
-            .map(|(_, f)| f)
+            .max_by(|a, b| a.0.len().cmp(&b.0.len()).then(b.1.fit.f.total_cmp(&a.1.fit.f)))
     }
 
     /// The effects that are searched.

@@ -2,13 +2,9 @@
 
 mod atlas_worked;
 mod calibration;
-mod discovering;
-mod grouping;
 mod noise_level;
 mod noise_worked;
-mod rules;
 mod screen_worked;
 mod segmenting;
 mod sentences;
 mod tables;
-mod toy_ladder;

@@ -1,8 +1,6 @@
 //! What is said to a user: every kind of sentence, whole, with the numbers that belong in it.
 #![allow(missing_docs)]
 
-use crate::tables;
-
 use diagnose::atlas::SegmentMisfit;
 use diagnose::dependence::Dependence;
 use diagnose::*;
@@ -26,23 +24,16 @@ fn finding() -> Finding {
         significant: true,
         look_alikes: vec![],
         refit_only: false,
-        set_aside: false,
     }
 }
 
 #[test]
-fn a_finding_is_one_of_five_sentences() {
+fn a_finding_is_one_of_four_sentences() {
     let say = |f: &Finding| words::finding(f, &Policy::default());
     let f = finding();
     assert_eq!(say(&f), "drift would take away 25 % of χ² (p = 2e-9), with g ≈ 0.123, tau ≈ 12.5.");
     let alike = Finding { look_alikes: ["a", "b", "c"].map(String::from).to_vec(), ..f.clone() };
     assert!(say(&alike).ends_with(" These records cannot tell it from a, b or c."), "{}", say(&alike));
-    let aside = Finding { set_aside: true, ..f.clone() };
-    assert_eq!(
-        say(&aside),
-        "drift would take away 25 % of χ² (p = 2e-9): as little as the error of the mesh may do. A small amount of it \
-         cannot be excluded."
-    );
     let untold = |fall: f64| Finding { refit_only: true, fall, ..f.clone() };
     assert_eq!(say(&untold(9.9)), "drift: its derivative at neutral does not tell; a short refit decides.");
     assert_eq!(say(&untold(10.0)), say(&f));
@@ -73,72 +64,7 @@ fn a_finding_is_one_of_five_sentences() {
     );
     assert!(both(0.05, 0.2).contains("(p = 0.050), though"), "{}", both(0.05, 0.2));
     assert!(both(0.01, 0.04).contains("(p = 0.010), though"), "{}", both(0.01, 0.04));
-    let sure = |set_aside: bool| Finding { p_estimated: Some(3e-12), set_aside, ..f.clone() };
-    assert!([true, false].iter().all(|&aside| say(&sure(aside)).contains("(p = 3e-12)")));
-}
-
-fn rung(effects: &[&str], chi2: f64) -> Rung {
-    let (freedom, reduced_chi2) = (100.0, chi2 / 100.0);
-    Rung { points: 100, freedom, reduced_chi2, rms: 0.1, bic: chi2, ..tables::rung(effects, chi2, 3) }
-}
-
-fn ended(verdict: Verdict, found: &[&str], last: f64) -> Discovery {
-    let screen = Screen { findings: vec![], pairs: vec![], chi2: 400.0, freedom: 100 };
-    let found: Vec<String> = found.iter().map(|f| (*f).to_owned()).collect();
-    let groups = found.iter().map(|f| vec![f.clone(), format!("{f}'")]).collect();
-    let ladder = vec![rung(&[], 400.0), rung(&[], last)];
-    let (tried, failed, last_screen) = (ladder.clone(), vec![], screen.clone());
-    Discovery { ladder, tried, failed, screen, last_screen, found, groups, verdict, interrupted: false }
-}
-
-#[test]
-fn a_verdict_says_what_was_found_and_what_is_left() {
-    let say = |d: &Discovery| words::verdict(d, &Policy::default());
-    let explained = ended(Verdict::Explained, &["a", "b"], 105.0);
-    assert_eq!(
-        say(&explained),
-        "Missing were a and b: with them reduced χ² falls from 4.00 to 1.05, and no rival does as well."
-    );
-    assert_eq!(
-        say(&ended(Verdict::Ambiguous, &["a", "b"], 105.0)),
-        "The record is explained (reduced χ² from 4.00 to 1.05), but not uniquely: missing was a or a', and b or b', \
-         which these records cannot tell apart."
-    );
-    assert!(say(&ended(Verdict::Explained, &["a"], 105.0)).starts_with("Missing was a: with it reduced"));
-    for verdict in [Verdict::Explained, Verdict::Ambiguous] {
-        let mut leaning = ended(verdict, &["a"], 105.0);
-        leaning.ladder[1].reduced_chi2 = 38.6;
-        let said = say(&leaning);
-        assert!(
-            said.contains("(reduced χ² 38.6 with the noise alone): a finer mesh may show more."),
-            "{said}"
-        );
-    }
-    assert!(say(&ended(Verdict::Unexplained, &["a", "b"], 250.0)).starts_with("a and b help (reduced"));
-    let open = ended(Verdict::Unexplained, &["a"], 250.0);
-    let helps = "a helps (reduced χ² from 4.00 to 2.50) but does not explain the record: something else is missing \
-                 that the catalogue does not hold.";
-    assert_eq!(say(&open), helps);
-    let mut smooth = open.clone();
-    smooth.ladder[1].structure_p = 1e-7;
-    assert_eq!(say(&smooth), format!("{helps} What is left is smooth, not noise."));
-    smooth.interrupted = true;
-    assert!(say(&smooth).ends_with(" The search was stopped before its end."));
-    smooth.verdict = Verdict::Explained;
-    assert!(!say(&smooth).contains("smooth"), "only what is unexplained is left over");
-    assert!(
-        say(&ended(Verdict::Unexplained, &[], 250.0))
-            .ends_with("reduced χ² 2.50, and no effect pays for itself.")
-    );
-    let mut nothing = ended(Verdict::NothingMissing, &[], 95.0);
-    assert_eq!(say(&nothing), "Nothing is missing: the misfit is noise (reduced χ² 0.95).");
-    nothing.screen.findings =
-        vec![finding(), Finding { visible: false, effect: "creep".into(), ..finding() }];
-    assert!(
-        say(&nothing).ends_with(" Whether there is creep these records cannot say."),
-        "{}",
-        say(&nothing)
-    );
+    assert!(say(&Finding { p_estimated: Some(3e-12), ..f.clone() }).contains("(p = 3e-12)"));
 }
 
 fn misfit(segment: &str, share: f64, sign: char) -> SegmentMisfit {

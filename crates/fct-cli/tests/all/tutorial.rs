@@ -54,10 +54,23 @@ fn the_tutorial_works_as_written() -> Tested {
     let sentence = diagnosis["screen"][0]["sentence"].as_str().ok_or("sentence")?;
     let opening: Vec<&str> = sentence.split_whitespace().take(4).collect();
     assert!(added.contains(&opening.join(" ")), "{sentence} in\n{added}");
-    let mut worst = (0..2).filter_map(|i| diagnosis["where"][i]["segment"].as_str());
-    assert!(worst.any(|s| s.starts_with("hold")), "{}", diagnosis["where"]);
+    let worst = diagnosis["where"][0]["segment"].as_str().ok_or("segment")?;
+    assert!(worst.starts_with("unload"), "{}", diagnosis["where"]);
+    assert!(
+        diagnosis["posterior"]["effects"]["viscoelastic"].as_f64() > Some(0.95),
+        "{}",
+        diagnosis["posterior"]
+    );
     let search = read(&here.join("runs/search/summary.json"))?;
     assert_eq!((&search["verdict"], &search["found"][0]), (&"explained".into(), &"viscoelastic".into()));
+    assert!(search["posterior"]["effects"]["viscoelastic"].as_f64() > Some(0.95), "{}", search["posterior"]);
+    // The first rung is what `identify` found.
+    let ladder = &search["ladder"][0]["values"];
+    for p in base["parameters"].as_array().ok_or("parameters")? {
+        let (path, value) = (p["path"].as_str().ok_or("path")?, p["value"].as_f64().ok_or("value")?);
+        let shown = ladder[path].as_f64().ok_or(path)?;
+        assert!((shown / value - 1.0).abs() < 1e-9, "{path}: {shown} and {value}");
+    }
     let more = read(&here.join("runs/more/summary.json"))?;
     assert_eq!(more["explained"], true);
     // What the last paragraph says about the secret.

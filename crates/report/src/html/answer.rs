@@ -1,6 +1,7 @@
 //! The first screen: is the model good enough, where not, what is missing, how sure, what next.
 
 use super::place::{cameras, described, places};
+use super::probable::bars;
 use super::view::{Rung, View};
 use super::{code, escape};
 use crate::answer::ParameterAnswer;
@@ -11,6 +12,10 @@ use serde_json::Value;
 
 /// Segments that are named.
 const PLACES: usize = 3;
+
+/// What is said of probabilities without a fit.
+const BY_DERIVATIVES: &str =
+    "<p class=\"muted\">By the derivatives at this model; <code>fct discover</code> fits the effects.</p>";
 
 /// A question with its answer as HTML; `good`: whether it is good news, if it is news at all.
 struct Card {
@@ -178,8 +183,12 @@ fn missing(v: &View) -> Card {
     let good = (verdict(v) == "nothing_missing" && explained(v)).then_some(true);
     let values = amounts(v, &found);
     // The sentences of a screen alone speak of its own fit of the base model, not of the one on this page.
-    let body = if is_screen(v) { screened(d) } else { format!("<p>{}</p>", words(v)) };
-    Card { question, good, head, body: body + &values }
+    let body = match (is_screen(v), d.get("posterior").is_some()) {
+        (true, false) => screened(d),
+        (true, true) => BY_DERIVATIVES.to_owned(),
+        (false, _) => format!("<p>{}</p>", words(v)),
+    };
+    Card { question, good, head, body: bars(d) + &body + &values }
 }
 
 /// Whether the diagnosis is a screen, which refits nothing.

@@ -11,6 +11,7 @@ mod first;
 mod identify;
 mod ladder;
 mod place;
+mod probable;
 mod simulate;
 mod sliders;
 mod study;

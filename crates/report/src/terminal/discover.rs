@@ -1,7 +1,7 @@
 //! Tables of diagnose and discover, from their JSON answers.
 
 use super::{Style, significant, table, wrap};
-use crate::peek::{groups, list, number, rows, text, yes};
+use crate::peek::{groups, list, number, probabilities, rows, text, yes};
 use input::visible;
 use serde_json::Value;
 use std::fmt::Write;
@@ -46,6 +46,14 @@ pub fn discover(answer: &Value, style: Style) -> String {
         let _ = writeln!(out, "{}", style.notice("The records are synthetic, not measured."));
     }
     sentences(&mut out, &list(answer, "words"), style);
+    if !probabilities(answer).is_empty() {
+        let _ = writeln!(
+            out,
+            "\n{}\n{}",
+            style.bold("How probable it is that this acts"),
+            probable(answer, style)
+        );
+    }
     if !rows(answer, "ladder").is_empty() {
         let _ = writeln!(out, "\n{}\n{}", style.bold("Ladder"), ladder(rows(answer, "ladder"), style));
     }
@@ -84,6 +92,12 @@ fn ladder(rungs: &[Value], style: Style) -> String {
     });
     let header = ["effects", "param.", "rms (N)", "", "held out (N)", "χ²/ν", "with num. error", "BIC"];
     table(style, &header, &[0, 3], lines.collect())
+}
+
+fn probable(answer: &Value, style: Style) -> String {
+    let bar = |p: f64| "█".repeat((p.clamp(0.0, 1.0) * BAR).round() as usize);
+    let lines = probabilities(answer).into_iter().map(|(name, p)| vec![name, percent(p), bar(p)]);
+    table(style, &["", "probability", ""], &[0, 2], lines.collect())
 }
 
 fn screen(answer: &Value, style: Style) -> String {
@@ -137,6 +151,15 @@ pub(crate) fn p_value(p: f64) -> String {
         format!("{p:.0e}")
     } else {
         format!("{p:.2}")
+    }
+}
+
+/// A probability in percent; neither nothing nor all is said where it is not.
+pub(crate) fn percent(p: f64) -> String {
+    match p {
+        p if p > 0.0 && p < 0.005 => "< 1 %".to_owned(),
+        p if p < 1.0 && p > 0.995 => "> 99 %".to_owned(),
+        p => format!("{:.0} %", 100.0 * p),
     }
 }
 

@@ -46,6 +46,5 @@ pub fn finding(effect: &str, fall: f64) -> Finding {
         significant: true,
         look_alikes: vec![],
         refit_only: false,
-        set_aside: false,
     }
 }

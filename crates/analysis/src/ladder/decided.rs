@@ -1,0 +1,123 @@
+//! A search's answer: what the probabilities decide, and the models that show the error fall.
+
+use super::{FeLadder, Fitted};
+use crate::identify::AnalysisError;
+use crate::probable::Probable;
+use diagnose::{Discovery, Hints, Policy, Rung, Verdict};
+use evidence::{Decision, Posterior, decide};
+
+/// What a search by probabilities found.
+pub struct Weighed {
+    /// The answer as the contract has it.
+    pub discovery: Discovery,
+    /// The probabilities behind it.
+    pub probable: Probable,
+}
+
+impl FeLadder<'_> {
+    /// Weighs the catalogue by real fits and answers by the table of losses.
+    ///
+    /// # Errors
+    /// [`AnalysisError`].
+    pub fn weighed(&mut self) -> Result<Weighed, AnalysisError> {
+        let (probable, posterior) = self.weigh_catalogue()?;
+        let decision = decide(&posterior, probable.left.explained_to);
+        let steps = self.steps_to(&decision)?;
+        Ok(self.answered(decision, steps, probable))
+    }
+
+    /// Weighs the catalogue by its derivatives at the base model alone: nothing else is fitted.
+    ///
+    /// # Errors
+    /// [`AnalysisError`].
+    pub fn weighed_by_columns(&mut self) -> Result<Weighed, AnalysisError> {
+        let (probable, posterior) = self.weigh_columns()?;
+        let decision = decide(&posterior, probable.left.explained_to);
+        Ok(self.answered(decision, Vec::new(), probable))
+    }
+
+    /// The base model and, where that explains too little, the most probable effects beside it, each fitted on the file's mesh.
+    ///
+    /// # Errors
+    /// [`AnalysisError`].
+    pub(crate) fn likely(&mut self, most: usize, policy: &Policy) -> Result<Vec<Rung>, AnalysisError> {
+        let base: Vec<Rung> = self.base_rung().into_iter().collect();
+        if most == 0 || base.iter().all(|r| r.explained(policy)) {
+            return Ok(base);
+        }
+        let (probable, _) = self.weigh_columns()?;
+        let mut effects: Vec<(&String, &f64)> = probable.posterior.effects.iter().collect();
+        effects.sort_by(|a, b| b.1.total_cmp(a.1).then(a.0.cmp(b.0)));
+        let sets: Vec<Vec<String>> = effects.into_iter().take(most).map(|(e, _)| vec![e.clone()]).collect();
+        self.fit_sets(&sets)?;
+        self.settle_sets(&sets)?;
+        let fitted = sets.iter().filter_map(|s| self.rungs.get(s).map(|f| self.rung(s, f)));
+        Ok(base.into_iter().chain(fitted).collect())
+    }
+
+    /// The effects of a decision one after the other, most probable first, each model at its optimum on the file's mesh.
+    fn steps_to(&mut self, decision: &Decision) -> Result<Vec<Vec<String>>, AnalysisError> {
+        let steps: Vec<Vec<String>> =
+            (1..=decision.found.len()).map(|n| decision.found[..n].to_vec()).collect();
+        let keys: Vec<Vec<String>> = steps.iter().map(|s| Self::key(s)).collect();
+        for key in &keys {
+            if !self.rungs.contains_key(key) && !self.interrupted() {
+                self.fit_sets(std::slice::from_ref(key))?;
+            }
+        }
+        let open: Vec<Vec<String>> =
+            keys.into_iter().filter(|k| self.rungs.get(k).is_some_and(|f| !f.settled)).collect();
+        if !self.interrupted() {
+            self.settle_sets(&open)?;
+        }
+        Ok(steps.into_iter().filter(|s| self.rungs.contains_key(&Self::key(s))).collect())
+    }
+
+    fn answered(&self, decision: Decision, steps: Vec<Vec<String>>, probable: Probable) -> Weighed {
+        let base = self.base_rung();
+        let kept = |effects: &Vec<String>| self.rungs.get(&Self::key(effects)).map(|f| self.rung(effects, f));
+        let ladder: Vec<Rung> = base.into_iter().chain(steps.iter().filter_map(kept)).collect();
+        let tried = self.rungs.iter().map(|(key, f)| self.rung(key, f)).collect();
+        let screen_at = |key: &[String]| self.screens.get(key).cloned().unwrap_or_default();
+        let top = steps.last().map(|s| Self::key(s)).unwrap_or_default();
+        let discovery = Discovery {
+            tried,
+            failed: self.failed.clone().into_iter().collect(),
+            screen: screen_at(&[]),
+            last_screen: self.screens.get(&top).cloned().unwrap_or_else(|| screen_at(&[])),
+            found: decision.found,
+            groups: decision.groups,
+            verdict: match decision.verdict {
+                evidence::Verdict::NothingMissing => Verdict::NothingMissing,
+                evidence::Verdict::Explained => Verdict::Explained,
+                evidence::Verdict::Ambiguous => Verdict::Ambiguous,
+                evidence::Verdict::Unexplained => Verdict::Unexplained,
+            },
+            interrupted: self.interrupted(),
+            ladder,
+        };
+        Weighed { discovery, probable }
+    }
+
+    /// The base model as `fct identify` of the same file answers.
+    fn base_rung(&self) -> Option<Rung> {
+        self.shown(&[]).map(|f| self.rung(&[], f))
+    }
+
+    /// The fit that is shown of a set: of the base model, what `fct identify` finds, whose stages need not end where all
+    /// parameters would move to together.
+    pub fn shown(&self, key: &[String]) -> Option<&Fitted> {
+        let identified = self.identified.as_ref().filter(|_| key.is_empty());
+        identified.or_else(|| self.rungs.get(key))
+    }
+
+    /// What the screen at the nearest model proposes for a set.
+    pub(super) fn proposed(&self, set: &[String]) -> Hints {
+        let nearest = self.nearest_of(set).and_then(|(key, _)| self.screens.get(key));
+        let screen = nearest.or_else(|| self.screens.get(&Vec::new()));
+        screen.map_or_else(Hints::new, |s| s.findings.iter().map(|f| (f.effect.clone(), f.clone())).collect())
+    }
+}
+
+/// The posterior and what is said of it.
+pub(super) type Probabilities = (Probable, Posterior);

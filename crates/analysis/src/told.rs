@@ -1,0 +1,115 @@
+//! An answer by probabilities in sentences.
+
+use crate::ladder::Weighed;
+use crate::probable::{Brief, PosteriorAnswer, Probable};
+use diagnose::{Discovery, Verdict};
+use std::collections::BTreeMap;
+
+/// Effects of which a sentence gives the probability.
+const SHOWN: usize = 4;
+/// Least probability that a sentence gives.
+const WORTH: f64 = 0.05;
+/// A change of a probability, by other scales of what is believed, that is said.
+const MOVES: f64 = 0.02;
+
+/// The verdict, the probabilities behind it, what they depend on, what is left.
+pub(crate) fn words(weighed: &Weighed) -> Vec<String> {
+    let mut out = vec![verdict(&weighed.discovery, &weighed.probable.posterior)];
+    out.extend(probabilities(&weighed.probable));
+    out
+}
+
+/// The probabilities, what they depend on, what is left.
+pub(crate) fn probabilities(probable: &Probable) -> Vec<String> {
+    let p = &probable.posterior;
+    let mut out = vec![listed(p)];
+    out.extend(sensitivity(p));
+    out.push(probable.left.sentence());
+    out
+}
+
+fn verdict(d: &Discovery, p: &PosteriorAnswer) -> String {
+    let rms = |k: usize| d.ladder.get(k).map_or(0.0, |r| r.rms);
+    let (first, last) = (rms(0), rms(d.ladder.len().saturating_sub(1)));
+    let fall = format!("the misfit falls from {} to {} N", short(first), short(last));
+    let names: Vec<String> = d.groups.iter().map(|g| joined(g, "or")).collect();
+    let text = match d.verdict {
+        Verdict::NothingMissing => {
+            format!("No effect is called for: that nothing is missing has a probability of {}.", percent(p.nothing))
+        }
+        Verdict::Explained => format!("Missing: {}. With it {fall}.", joined(&d.found, "and")),
+        Verdict::Ambiguous => format!(
+            "Missing: {}. These records cannot tell which; with {} {fall}.",
+            names.join(", and "),
+            joined(&d.found, "and")
+        ),
+        Verdict::Unexplained if d.found.is_empty() => {
+            "Something is missing that the catalogue does not hold, and no effect is probable enough to be named.".into()
+        }
+        Verdict::Unexplained => format!(
+            "With {} {fall}, but something is missing that the catalogue does not hold.",
+            names.join(" and ")
+        ),
+    };
+    if d.interrupted { format!("{text} The search was stopped before its end.") } else { text }
+}
+
+fn listed(p: &PosteriorAnswer) -> String {
+    let mut effects: Vec<(&String, f64)> =
+        p.effects.iter().map(|(e, p)| (e, *p)).filter(|e| e.1 >= WORTH).collect();
+    effects.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(b.0)));
+    let one = |(name, p): (&String, f64)| format!("{name} {}", percent(p));
+    let mut parts: Vec<String> = effects.into_iter().take(SHOWN).map(one).collect();
+    parts.push(format!("nothing {}", percent(p.nothing)));
+    parts.push(format!("something else {}", percent(p.something_else)));
+    format!("Probabilities: {}.", parts.join(", "))
+}
+
+/// How the leading probability moves with what is believed.
+fn sensitivity(p: &PosteriorAnswer) -> Option<String> {
+    let most = p.effects.iter().max_by(|a, b| a.1.total_cmp(b.1)).filter(|e| *e.1 > p.nothing);
+    let (name, of): (&str, Box<dyn Fn(&Brief) -> f64>) = match most {
+        Some((effect, _)) => (effect, Box::new(|b: &Brief| b.effects.get(effect).copied().unwrap_or(0.0))),
+        None => ("nothing", Box::new(|b: &Brief| b.nothing)),
+    };
+    let (low, high) = range(&p.sensitivity, &*of)?;
+    (high - low > MOVES).then(|| {
+        format!(
+            "With amplitudes, or the rest, believed twice or half as large, {name} has {} to {}.",
+            percent(low),
+            percent(high)
+        )
+    })
+}
+
+fn range(all: &BTreeMap<&'static str, Brief>, of: &dyn Fn(&Brief) -> f64) -> Option<(f64, f64)> {
+    let values = || all.values().map(of);
+    (!all.is_empty())
+        .then(|| (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)))
+}
+
+fn percent(p: f64) -> String {
+    match p {
+        p if p > 0.0 && p < 0.005 => "< 1 %".to_owned(),
+        p if p < 1.0 && p > 0.995 => "> 99 %".to_owned(),
+        p => format!("{:.0} %", 100.0 * p),
+    }
+}
+
+fn joined(names: &[String], word: &str) -> String {
+    match names {
+        [] => String::new(),
+        [one] => one.clone(),
+        [head @ .., last] => format!("{} {word} {last}", head.join(", ")),
+    }
+}
+
+fn short(x: f64) -> String {
+    if x == 0.0 { "0".into() } else { format!("{x:.*}", digits(x)) }
+}
+
+/// Decimals of two significant digits.
+fn digits(x: f64) -> usize {
+    let place = 1.0 - x.abs().log10().floor();
+    place.clamp(0.0, 9.0) as usize
+}
