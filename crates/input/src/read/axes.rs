@@ -55,7 +55,8 @@ fn refuse(s: &Section<'_>, kind: TestKind, record: Option<&Record>) {
 }
 
 fn data_fault(s: &Section<'_>, message: String, help: &str) {
-    s.context.report(Report::error(message).key("data").help(help), s.span_of("data"));
+    let span = s.entry("data").map_or(s.span.clone(), |e| e.item.span());
+    s.context.report(Report::error(message).key("data").help(help), span);
 }
 
 /// The ratio by least squares; a record that leaves it is an error.
