@@ -211,7 +211,7 @@ fn a_search_answers_on_its_first_screen() -> Tested {
     first_screen(&mut page)?;
     let answers = page.text("#answers")?;
     for word in
-        ["Yes, with viscoelastic", "hold 1", "Missing was viscoelastic", "viscoelastic.g =", "fct identify"]
+        ["Yes, with viscoelastic", "unload 1", "Missing: viscoelastic", "viscoelastic.g =", "fct identify"]
     {
         assert!(answers.contains(word), "{word} in\n{answers}");
     }

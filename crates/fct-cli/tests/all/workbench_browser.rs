@@ -345,16 +345,16 @@ fn shows(page: &mut Page) -> Tested {
     let card = page.text("#card")?;
     assert!(card.contains("law") && card.contains("told apart by"), "{card}");
     assert_eq!(page.ask("document.querySelectorAll('#card canvas').length")?, 2);
-    // What is drawn takes away what the list beside it promises: of the plain squares here, of χ² there.
-    let (misfit, left, promised) = left_over(page, "compliance")?;
+    // What the list beside it calls probable takes the misfit away where it is drawn.
+    let (misfit, left, probable) = left_over(page, "compliance")?;
     let falls = 1.0 - (left / misfit).powi(2);
-    assert!(promised > 0.1 && (falls - promised).abs() < 0.5 * promised, "{falls} {promised}");
+    assert!(falls > 0.5 && probable > 0.5, "{falls} {probable}");
     page.picture("workbench-card", true)?;
     page.click("#card button")
 }
 
-/// Root mean square misfit over all points, what would be left of it with what an effect would add, N; and the share of χ² that
-/// the screen expects to fall.
+/// Root mean square misfit over all points, what would be left of it with what an effect would add, N; and how probable it is
+/// that the effect acts.
 fn left_over(page: &mut Page, effect: &str) -> Result<(f64, f64, f64), Box<dyn Error>> {
     let state = page.ask_later("fetch('/api/state').then(r => r.json())")?;
     let k = state["adds"]["paths"]
@@ -372,10 +372,8 @@ fn left_over(page: &mut Page, effect: &str) -> Result<(f64, f64, f64), Box<dyn E
             n += 1.0;
         }
     }
-    let screen = state["diagnosis"]["screen"].as_array().ok_or("a screen")?;
-    let finding = screen.iter().find(|f| f["effect"] == effect).ok_or("a finding")?;
-    let promised = finding["expected_fall"].as_f64().ok_or("a fall")?;
-    Ok(((misfit / n).sqrt(), (left / n).sqrt(), promised))
+    let probable = state["diagnosis"]["posterior"]["effects"][effect].as_f64().ok_or("a probability")?;
+    Ok(((misfit / n).sqrt(), (left / n).sqrt(), probable))
 }
 
 /// The deformed strip: its pictures are played, and another model's curves are laid over these.
