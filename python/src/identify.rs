@@ -102,7 +102,7 @@ pub fn diagnose(
     run(py, threads, progress, move |wire| {
         let mut case = (*fitted(&file)?).clone();
         if !values.is_empty() {
-            analysis::start_at(&mut case, values.iter().map(|(p, v)| (p.as_str(), *v)));
+            analysis::stay_at(&mut case, values.iter().map(|(p, v)| (p.as_str(), *v)));
         }
         let (note, stops) = (|s: &str| wire.tell(s), || wire.stops());
         let answer = analysis::diagnose(Arc::new(case), &::effects::catalogue(), &note, &stops, &NoJournal)?;

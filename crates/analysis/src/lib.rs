@@ -49,4 +49,4 @@ pub use parsimony::{OneStrength, one_strength};
 pub use probable::{Brief, Left, PosteriorAnswer, Probable};
 pub use problem::{Cancelled, FeProblem};
 pub use simulate::{SimulateControl, Simulated, SimulatedTest, replay, simulate};
-pub use start::start_at;
+pub use start::{start_at, stay_at};

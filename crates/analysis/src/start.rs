@@ -235,6 +235,13 @@ pub(crate) fn from_record(case: &Case) -> (f64, f64) {
     told.fold((0.0f64, 0.0f64), |most, (gc, sigma_c)| (most.0.max(gc), most.1.max(sigma_c)))
 }
 
+/// Has a diagnosis stay at identified values: they are an answer, and nothing is searched again.
+pub fn stay_at<'a>(case: &mut Case, values: impl Iterator<Item = (&'a str, f64)>) {
+    start_at(case, values);
+    case.identify.max_iterations = 0;
+    case.identify.coarse_first = false;
+}
+
 /// Writes identified values into a case as the start of the next search; bounds, freedom and what priors expect stay.
 pub fn start_at<'a>(case: &mut Case, values: impl Iterator<Item = (&'a str, f64)>) {
     crate::priors::hold(case);

@@ -153,10 +153,7 @@ impl Session {
         let Some(answer) = stored.identify() else { return Ok(case) };
         let mut case = (*case).clone();
         let values = answer.parameters.iter().map(|p| (p.path.as_str(), p.value));
-        analysis::start_at(&mut case, values);
-        // These values are an answer: nothing is searched again.
-        case.identify.max_iterations = 0;
-        case.identify.coarse_first = false;
+        analysis::stay_at(&mut case, values);
         Ok(Arc::new(case))
     }
 
