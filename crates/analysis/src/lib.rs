@@ -50,3 +50,4 @@ pub use probable::{Brief, Left, PosteriorAnswer, Probable};
 pub use problem::{Cancelled, FeProblem};
 pub use simulate::{SimulateControl, Simulated, SimulatedTest, replay, simulate};
 pub use start::{start_at, stay_at};
+pub use told::percent;

@@ -69,17 +69,7 @@ impl From<Posterior> for PosteriorAnswer {
 impl Probable {
     /// The leading answers and what is left, as one line.
     pub fn sentence(&self) -> String {
-        let percent = |p: f64| {
-            if p > 0.0 && p < 0.005 { "< 1 %".to_owned() } else { format!("{:.0} %", 100.0 * p) }
-        };
-        let mut effects: Vec<(&String, &f64)> =
-            self.posterior.effects.iter().filter(|e| *e.1 >= 0.05).collect();
-        effects.sort_by(|a, b| b.1.total_cmp(a.1).then(a.0.cmp(b.0)));
-        let mut parts: Vec<String> =
-            effects.iter().take(3).map(|(name, p)| format!("{name} {}", percent(**p))).collect();
-        parts.push(format!("nothing {}", percent(self.posterior.nothing)));
-        parts.push(format!("something else {}", percent(self.posterior.something_else)));
-        format!("Probabilities: {}. {}", parts.join(", "), self.left.sentence())
+        format!("{} {}", crate::told::listed(&self.posterior), self.left.sentence())
     }
 }
 

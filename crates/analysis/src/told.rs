@@ -54,7 +54,8 @@ fn verdict(d: &Discovery, p: &PosteriorAnswer) -> String {
     if d.interrupted { format!("{text} The search was stopped before its end.") } else { text }
 }
 
-fn listed(p: &PosteriorAnswer) -> String {
+/// The most probable effects, "nothing" and "something else", as one sentence.
+pub(crate) fn listed(p: &PosteriorAnswer) -> String {
     let mut effects: Vec<(&String, f64)> =
         p.effects.iter().map(|(e, p)| (e, *p)).filter(|e| e.1 >= WORTH).collect();
     effects.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(b.0)));
@@ -87,7 +88,8 @@ fn range(all: &BTreeMap<&'static str, Brief>, of: &dyn Fn(&Brief) -> f64) -> Opt
         .then(|| (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)))
 }
 
-fn percent(p: f64) -> String {
+/// A probability in percent; neither nothing nor all is said where it is not.
+pub fn percent(p: f64) -> String {
     match p {
         p if p > 0.0 && p < 0.005 => "< 1 %".to_owned(),
         p if p < 1.0 && p > 0.995 => "> 99 %".to_owned(),

@@ -2,7 +2,7 @@
 
 use super::{escape, share_class};
 use crate::peek::probabilities;
-use crate::terminal::percent;
+use analysis::percent;
 use serde_json::Value;
 
 /// A bar for every effect with five percent or more, for "nothing" and for "something else"; empty where an answer has none.

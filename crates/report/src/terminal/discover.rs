@@ -2,6 +2,7 @@
 
 use super::{Style, significant, table, wrap};
 use crate::peek::{groups, list, number, probabilities, rows, text, yes};
+use analysis::percent;
 use input::visible;
 use serde_json::Value;
 use std::fmt::Write;
@@ -151,15 +152,6 @@ pub(crate) fn p_value(p: f64) -> String {
         format!("{p:.0e}")
     } else {
         format!("{p:.2}")
-    }
-}
-
-/// A probability in percent; neither nothing nor all is said where it is not.
-pub(crate) fn percent(p: f64) -> String {
-    match p {
-        p if p > 0.0 && p < 0.005 => "< 1 %".to_owned(),
-        p if p < 1.0 && p > 0.995 => "> 99 %".to_owned(),
-        p => format!("{:.0} %", 100.0 * p),
     }
 }
 

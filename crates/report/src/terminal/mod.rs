@@ -12,7 +12,7 @@ mod simulate;
 pub use compare::compare;
 pub use design::design;
 pub use discover::discover;
-pub(crate) use discover::{called, chance, p_value, percent};
+pub(crate) use discover::{called, chance, p_value};
 pub use doctor::doctor_lines;
 pub use identify::identify;
 pub(crate) use identify::{SLOPPY_SHOWN, interval, published_value, remark};
