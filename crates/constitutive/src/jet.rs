@@ -150,6 +150,12 @@ impl<const N: usize> MulAssign<f64> for Jet<N> {
 }
 
 impl<const N: usize> Scalar for Jet<N> {
+    const PLAIN: bool = false;
+
+    #[inline(always)]
+    fn is_constant(&self) -> bool {
+        self.eps == [0.0; N]
+    }
     #[inline(always)]
     fn value(self) -> f64 {
         self.re

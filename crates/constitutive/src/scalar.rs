@@ -10,6 +10,7 @@ use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 pub trait Scalar:
     Copy
     + Debug
+    + PartialEq
     + Send
     + Sync
     + 'static
@@ -26,7 +27,15 @@ pub trait Scalar:
     + AddAssign
     + SubAssign
     + MulAssign<f64>
+    + Over<f64>
+    + Over<Self>
 {
+    /// Whether there is nothing but the value.
+    const PLAIN: bool;
+
+    /// Whether all derivatives are zero.
+    fn is_constant(&self) -> bool;
+
     /// The number without its derivatives.
     fn value(self) -> f64;
 
@@ -138,6 +147,12 @@ pub trait Scalar:
 }
 
 impl Scalar for f64 {
+    const PLAIN: bool = true;
+
+    #[inline(always)]
+    fn is_constant(&self) -> bool {
+        true
+    }
     #[inline(always)]
     fn value(self) -> f64 {
         self
@@ -154,7 +169,7 @@ impl Scalar for f64 {
 
 /// A scalar that can be combined with a poorer one: kinematics in plain `f64` under a law in jets
 /// (only parameters move), or both in jets (displacements move too).
-pub trait Over<X: Scalar>: Scalar {
+pub trait Over<X> {
     /// The poorer number as this scalar.
     fn lift(x: X) -> Self;
     /// self · x.

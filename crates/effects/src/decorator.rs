@@ -37,8 +37,55 @@ where
     /// The inner law's answer to another gradient or other parameters.
     #[inline]
     pub fn inner_at(&self, gradient: &[S; G], params: &[S], new: &mut [S]) -> Response<S, G> {
+        if !S::PLAIN
+            && let Some(response) = self.without_jets(gradient, params, new)
+        {
+            return response;
+        }
         Law::<S, G>::respond(self.inner, self.ctx, gradient, params, self.inner_old, new)
     }
+
+    /// The inner law's answer in jets without a call in jets, where neither its parameters nor its memory have
+    /// derivatives: plain at a constant gradient; along the analytic tangent where there is one and the law is elastic, so
+    /// that its energy varies by the force. `None` where it takes jets.
+    fn without_jets(&self, gradient: &[S; G], params: &[S], new: &mut [S]) -> Option<Response<S, G>> {
+        let (p, old, h) = (constants(params)?, constants(self.inner_old)?, self.inner_old.len());
+        let f = gradient.map(S::value);
+        let mut after = [0.0; MOST];
+        let plain = |after: &mut [f64; MOST]| {
+            Law::<f64, G>::respond(self.inner, self.ctx, &f, &p[..params.len()], &old[..h], &mut after[..h])
+        };
+        if gradient.iter().all(S::is_constant) {
+            let r = plain(&mut after);
+            new.iter_mut().zip(&after).for_each(|(to, x)| *to = S::from(*x));
+            return Some(Response { force: r.force.map(S::from), energy: S::from(r.energy) });
+        }
+        if h > 0 {
+            return None;
+        }
+        let (force, tangent) = self.inner.analytic_tangent(self.ctx, &f, &p[..params.len()], &[], &mut [])?;
+        let change: [S; G] = std::array::from_fn(|j| gradient[j] - f[j]);
+        let along = |value: f64, slopes: &[f64; G]| {
+            let mut sum = S::from(value);
+            change.iter().zip(slopes).for_each(|(d, slope)| sum += *d * *slope);
+            sum
+        };
+        let energy = along(plain(&mut after).energy, &force);
+        Some(Response { force: std::array::from_fn(|i| along(force[i], &tangent[i])), energy })
+    }
+}
+
+/// Parameters or history variables of an inner law that a call without jets has room for.
+const MOST: usize = 64;
+
+/// The values, if none has a derivative and there is room for them.
+fn constants<S: Scalar>(all: &[S]) -> Option<[f64; MOST]> {
+    let mut out = [0.0; MOST];
+    if all.len() > MOST || !all.iter().all(S::is_constant) {
+        return None;
+    }
+    out.iter_mut().zip(all).for_each(|(to, x)| *to = x.value());
+    Some(out)
 }
 
 impl<const G: usize> Call<'_, f64, G> {

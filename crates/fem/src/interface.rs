@@ -157,7 +157,7 @@ pub fn openings(
 ///
 /// `params[q]`: law parameters at point q; `old`, `new`: histories of the four points in turn.
 #[allow(clippy::too_many_arguments)]
-pub fn residual<X: Scalar, S: Over<X>>(
+pub fn residual<X: Scalar, S: Scalar + Over<X>>(
     law: &(dyn PointLaw<3> + 'static),
     ctx: &[Context; POINTS],
     params: &[Vec<S>; POINTS],
@@ -257,7 +257,7 @@ pub fn tangent(
 /// Residual of the mirrored element (half-height model): four nodes on the tear path, opening
 /// 2 u_y, no sliding. Forces along y only.
 #[allow(clippy::too_many_arguments)]
-pub fn mirrored_residual<X: Scalar, S: Over<X>>(
+pub fn mirrored_residual<X: Scalar, S: Scalar + Over<X>>(
     law: &(dyn PointLaw<3> + 'static),
     ctx: &[Context; POINTS],
     params: &[Vec<S>; POINTS],

@@ -2,7 +2,7 @@
 
 use crate::error::FemError;
 use crate::interface::{self, Rule};
-use constitutive::{Context, Over, PointLaw, Scalar};
+use constitutive::{Context, PointLaw, Scalar};
 use mesh::Mesh;
 use std::sync::Arc;
 
@@ -210,7 +210,7 @@ impl Problem {
     ///
     /// A take-up that remembers keeps its last answer. Along a followed path, where the actuator goes back by itself and no hand turns it,
     /// such a take-up moves with the actuator; `from` is then where the actuator stood before.
-    pub fn take_up<S: Over<f64>>(
+    pub fn take_up<S: Scalar>(
         &self,
         actuator: S,
         from: Option<f64>,

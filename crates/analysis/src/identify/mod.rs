@@ -191,6 +191,8 @@ pub(crate) struct Searched {
     pub theta: Vec<f64>,
     /// Whether all parameters moved together in the end.
     pub joint: bool,
+    /// Where all parameters together ended, if that was tried and did not help enough to be the answer.
+    pub beside: Option<Vec<f64>>,
     /// Forward runs.
     pub runs: usize,
 }
@@ -202,9 +204,11 @@ pub(crate) fn searched(
     control: &Control,
 ) -> Result<Searched, AnalysisError> {
     let models = Models::of(case, catalogue)?;
+    let recent = Recent::new(control.journal);
+    let control = &Control { journal: &recent, ..*control };
     let (work, list) = models.search(case, catalogue, control)?;
     let joint = list.last().is_some_and(|l| l.0 == Stage::Joint);
-    Ok(Searched { joint, runs: work.runs, theta: work.theta })
+    Ok(Searched { joint, runs: work.runs, theta: work.theta, beside: work.beside })
 }
 
 /// One case on the meshes of a search.
@@ -237,7 +241,7 @@ impl Models {
             return Err(AnalysisError::Case("no parameter is free".into()));
         }
         let (coarse, cheap) = (self.coarse.as_ref(), self.cheap.as_ref());
-        let search = Search { case, catalogue, fine: &self.fine, coarse, cheap };
+        let search = Search { case, catalogue, fine: &self.fine, coarse: cheap.or(coarse), cheap };
         search.run(&mut work, &list)?;
         if case.identify.release_bulk && staged(&list) && work.tear_left.unexplained() {
             list.extend(search.release(&mut work));

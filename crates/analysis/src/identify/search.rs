@@ -136,8 +136,11 @@ impl Search<'_> {
         work.theta = self.fine.theta();
         let list = stages(self.fine, Mode::Joint);
         // A search that cannot begin helps as little; one that the user stops ends at the closing run.
-        if self.run(work, &list).is_err() || work.tear_left.excess() > HELPED * before.excess() {
-            (work.theta, work.held, work.starts) = (theta, held, starts);
+        let ended = self.run(work, &list).is_ok();
+        if !ended || work.tear_left.excess() > HELPED * before.excess() {
+            let there = std::mem::replace(&mut work.theta, theta);
+            work.beside = ended.then_some(there);
+            (work.held, work.starts) = (held, starts);
             work.stopped.truncate(stopped);
             return None;
         }

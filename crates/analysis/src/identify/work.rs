@@ -28,7 +28,7 @@ pub(crate) fn fewer_steps(mut options: RunOptions) -> RunOptions {
 /// Searches on the cheap mesh between two runs on the given one: they need not end closer than the next run moves them.
 const INNER_TOLERANCE: f64 = 1e-4;
 const INNER_INSIGNIFICANT: f64 = 0.05;
-const INNER_STEPS: usize = 8;
+const INNER_STEPS: usize = 16;
 
 /// Newton tolerance of the search, if the file's is not coarser: it moves χ² by far less than a step
 /// does. The last run, which the answer is made from, takes the file's.
@@ -60,6 +60,8 @@ pub(crate) struct Work<'a> {
     pub(super) coarse_level: bool,
     /// What the latest stage left of the tearing records.
     pub(super) tear_left: TearMisfit,
+    /// Where all parameters together ended, if that did not help enough.
+    pub(super) beside: Option<Vec<f64>>,
 }
 
 /// Free parameters as the optimiser sees them, at θ.
@@ -126,6 +128,7 @@ impl<'a> Work<'a> {
             starts: None,
             coarse_level: false,
             tear_left: TearMisfit::default(),
+            beside: None,
         }
     }
 

@@ -14,7 +14,7 @@ use std::sync::atomic::Ordering;
 
 /// Relative fall of χ² that is worth another step of the search. Steps are as long as they are safe: a little fall
 /// is a short step more often than the end.
-pub(super) const TOLERANCE: f64 = 1e-3;
+pub(super) const TOLERANCE: f64 = 3e-3;
 
 /// A fit that has gained less than this share of the base's χ², and gains less than that share in a step, is left: what it
 /// has not gained by then it will not.

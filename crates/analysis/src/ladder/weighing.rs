@@ -52,7 +52,14 @@ impl<'a> FeLadder<'a> {
         };
         let (mut base, mut states) = ladder.settle(begun, None, 0)?.ok_or_else(none)?;
         if !found.joint && ladder.fine_case.identify.max_iterations > 0 {
-            let all = ladder.settle(ladder.begun_of(&base)?, Some(&states), ROUNDS)?.ok_or_else(none)?;
+            let begun = match &found.beside {
+                Some(theta) => {
+                    let model = Model::new(ladder.case.clone(), ladder.catalogue, ladder.how)?;
+                    ladder.begun_at(model, theta)?
+                }
+                None => ladder.begun_of(&base)?,
+            };
+            let all = ladder.settle(begun, Some(&states), ROUNDS)?.ok_or_else(none)?;
             ladder.identified = Some(std::mem::replace(&mut base, all.0));
             states = all.1;
         }

@@ -1,6 +1,6 @@
 //! Symmetric 3 × 3 tensors [xx, yy, zz, xy, yz, xz] for stresses in the reference state.
 
-use constitutive::{Scalar, tensor};
+use constitutive::{Over, Scalar, tensor};
 
 pub type Sym<S> = [S; 6];
 
@@ -31,16 +31,16 @@ impl<S: Scalar> Frame<S> {
 
     /// Second Piola stress F⁻¹P of a first Piola stress that derives from an energy of C.
     #[inline(always)]
-    pub fn second_piola(&self, p: &[S; 9]) -> Sym<S> {
+    pub fn second_piola<T: Scalar + Over<S>>(&self, p: &[T; 9]) -> Sym<T> {
         let f = &self.f_inverse;
-        components(|a, b| f[3 * a] * p[b] + f[3 * a + 1] * p[3 + b] + f[3 * a + 2] * p[6 + b])
+        components(|a, b| p[b].times(f[3 * a]) + p[3 + b].times(f[3 * a + 1]) + p[6 + b].times(f[3 * a + 2]))
     }
 
     /// Deviator with respect to C: A − (A : C)/3 C⁻¹. What is left does no work on a change of volume.
     #[inline(always)]
-    pub fn deviator(&self, a: &Sym<S>) -> Sym<S> {
+    pub fn deviator<T: Scalar + Over<S>>(&self, a: &Sym<T>) -> Sym<T> {
         let mean = dot(a, &self.c) / 3.0;
-        std::array::from_fn(|i| a[i] - self.c_inverse[i] * mean)
+        std::array::from_fn(|i| a[i] - mean.times(self.c_inverse[i]))
     }
 }
 
@@ -51,13 +51,17 @@ fn components<S>(at: impl Fn(usize, usize) -> S) -> Sym<S> {
 
 /// A : B.
 #[inline(always)]
-pub fn dot<S: Scalar>(a: &Sym<S>, b: &Sym<S>) -> S {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + (a[3] * b[3] + a[4] * b[4] + a[5] * b[5]) * 2.0
+pub fn dot<S: Scalar, T: Scalar + Over<S>>(a: &Sym<T>, b: &Sym<S>) -> T {
+    let product = |i: usize| a[i].times(b[i]);
+    product(0) + product(1) + product(2) + (product(3) + product(4) + product(5)) * 2.0
 }
 
 /// F A: the first Piola stress of a second one.
 #[inline(always)]
-pub fn pushed<S: Scalar>(f: &[S; 9], a: &Sym<S>) -> [S; 9] {
+pub fn pushed<S: Scalar, T: Scalar + Over<S>>(f: &[S; 9], a: &Sym<T>) -> [T; 9] {
     let full = [a[0], a[3], a[5], a[3], a[1], a[4], a[5], a[4], a[2]];
-    tensor::mul(f, &full)
+    std::array::from_fn(|r| {
+        let (i, j) = (3 * (r / 3), r % 3);
+        full[j].times(f[i]) + full[3 + j].times(f[i + 1]) + full[6 + j].times(f[i + 2])
+    })
 }

@@ -163,7 +163,7 @@ fn largest_stretch(f: &[f64; 9]) -> f64 {
 /// and history carry derivatives (partial sweep); with `X = S` displacements and node positions do
 /// too (total sweep).
 #[allow(clippy::too_many_arguments)]
-pub fn residual<X: Scalar, S: Over<X>>(
+pub fn residual<X: Scalar, S: Scalar + Over<X>>(
     law: &(dyn PointLaw<9> + 'static),
     ctx: &Context,
     params: &[S],
@@ -217,7 +217,7 @@ where
 }
 
 /// The history after a step, without forces: displacements over `S`, positions in plain numbers.
-pub fn update_history<S: Over<f64>>(
+pub fn update_history<S: Scalar>(
     law: &(dyn PointLaw<9> + 'static),
     ctx: &Context,
     params: &[S],

@@ -4,9 +4,11 @@ use super::super::isochoric;
 use super::super::symmetric::{Frame, Sym, dot, pushed};
 use super::super::tangent::{add, add_constant, add_deviatoric, inverse_transposed};
 use super::times::Times;
+use super::weights::with_weights;
 use crate::decorator::{Call, Decoration, Tangent};
-use crate::numeric::{add_scaled, decay, mean_decay, mean_rise};
-use constitutive::{Energy, FibreFamily, Law, Part, PointLaw, Response, Scalar, part_response, part_tangent};
+use constitutive::{
+    Energy, FibreFamily, Law, Over, Part, PointLaw, Response, Scalar, part_response, part_tangent,
+};
 use params::ParamSpec;
 
 /// History: H of each branch, then the driving stress, the isochoric C and the work on the branches.
@@ -69,10 +71,44 @@ fn unimodular<S: Scalar>(f: &[S; 9]) -> [S; 9] {
 }
 
 impl Maxwell {
+    /// The answer with the kinematics over `X`: plain where the gradient is constant, and only parameters and history carry
+    /// derivatives.
+    ///
+    /// Exact for a driving stress linear in time within the step, hence stable for any step: an
+    /// instantaneous change (dt = 0) loads the branch elastically, a long rest empties it.
+    ///
+    /// The driving stress derives from an energy of the unimodular C̄; with Dev outside the
+    /// incremental stress has a potential and the tangent is symmetric.
+    #[inline(always)]
+    fn answer<X: Scalar, S: Scalar + Over<X>>(
+        &self,
+        call: &Call<'_, S, 9>,
+        f: &[X; 9],
+        inner_new: &mut [S],
+        new: &mut [S],
+    ) -> Response<S, 9>
+    where
+        dyn PointLaw<9>: Law<S, 9>,
+    {
+        let mut r = call.inner(inner_new);
+        let frame = Frame::new(f);
+        let followed = self.followed(call, &frame, &r.force);
+        let sum = self.relax(call, &frame, &followed, new);
+        for (to, added) in r.force.iter_mut().zip(pushed(f, &frame.deviator(&sum))) {
+            *to += added.times(frame.m);
+        }
+        r
+    }
+
     /// First Piola stress whose deviator the branches follow: the inner law's own, `inner`; or, of a law that sees the
     /// volume, J^(−1/3) times what it gives at J = 1, so that the incremental stress keeps a potential, Ψ(C̄).
     #[inline(always)]
-    fn followed<S: Scalar>(&self, call: &Call<'_, S, 9>, frame: &Frame<S>, inner: &[S; 9]) -> [S; 9]
+    fn followed<X: Scalar, S: Scalar + Over<X>>(
+        &self,
+        call: &Call<'_, S, 9>,
+        frame: &Frame<X>,
+        inner: &[S; 9],
+    ) -> [S; 9]
     where
         dyn PointLaw<9>: Law<S, 9>,
     {
@@ -81,7 +117,7 @@ impl Maxwell {
         }
         let at_one = call.inner_at(&unimodular(call.gradient), call.base, &mut call.inner_old.to_vec());
         let root = frame.m.sqrt();
-        at_one.force.map(|p| p * root)
+        at_one.force.map(|p| p.times(root))
     }
 
     /// The same with its tangent.
@@ -114,7 +150,12 @@ impl Maxwell {
     /// fictitious stress; what comes of the volume alone has no deviator), or the fibres' fictitious stress as
     /// it is.
     #[inline(always)]
-    fn driving_stress<S: Scalar>(&self, call: &Call<'_, S, 9>, frame: &Frame<S>, inner: &[S; 9]) -> Sym<S>
+    fn driving_stress<X: Scalar, S: Scalar + Over<X>>(
+        &self,
+        call: &Call<'_, S, 9>,
+        frame: &Frame<X>,
+        inner: &[S; 9],
+    ) -> Sym<S>
     where
         dyn PointLaw<9>: Law<S, 9>,
     {
@@ -127,15 +168,16 @@ impl Maxwell {
             return families.iter().map(of).reduce(sum).unwrap_or([S::zero(); 6]);
         }
         let per_m = frame.m.recip();
-        frame.deviator(&frame.second_piola(inner)).map(|x| x * per_m)
+        frame.deviator(&frame.second_piola(inner)).map(|x| x.times(per_m))
     }
 
-    /// Goes a step: the new history, and ΣH after it. `inner` is the first Piola stress that they follow.
+    /// Goes a step: the new history, and ΣH after it. `inner` is the first Piola stress that they follow. The work on the
+    /// branches is for the ledger alone, which has no derivatives: jets leave it.
     #[inline(always)]
-    fn relax<S: Scalar>(
+    fn relax<X: Scalar, S: Scalar + Over<X>>(
         &self,
         call: &Call<'_, S, 9>,
-        frame: &Frame<S>,
+        frame: &Frame<X>,
         inner: &[S; 9],
         new: &mut [S],
     ) -> Sym<S>
@@ -143,23 +185,23 @@ impl Maxwell {
         dyn PointLaw<9>: Law<S, 9>,
     {
         let s = self.driving_stress(call, frame, inner);
-        let c = frame.c.map(|x| x * frame.m);
+        let c: Sym<S> = frame.c.map(|x| S::lift(x * frame.m));
         let (s_old, c_old) = (read(call.old, self.stress_block()), read(call.old, self.shape_block()));
+        let change: Sym<S> = std::array::from_fn(|i| s[i] - s_old[i]);
         let (mut sum, mut work) = ([S::zero(); 6], S::zero());
-        for b in 0..self.times.count() {
-            let (g, tau) = self.times.of(call.own, b);
-            let x = S::from(call.ctx.dt) / tau;
-            let (left, kept) = (decay(x), mean_decay(x));
-            let (taken, rise) = (g * kept, g * mean_rise(x));
-            let mut mean = [S::zero(); 6];
-            for i in 0..6 {
-                let (h, change) = (call.old[6 * b + i], s[i] - s_old[i]);
-                new[6 * b + i] = h * left + change * taken;
-                sum[i] += new[6 * b + i];
-                mean[i] = (h * kept + change * rise) * (c[i] - c_old[i]);
+        with_weights(self.times, call.own, call.ctx.dt, |weights| {
+            for (b, w) in weights.iter().enumerate() {
+                let h: Sym<S> = read(call.old, b);
+                for i in 0..6 {
+                    new[6 * b + i] = h[i] * w.left + change[i] * w.taken;
+                    sum[i] += new[6 * b + i];
+                }
+                if S::PLAIN {
+                    let mean = |i: usize| (h[i] * w.kept + change[i] * w.rise) * (c[i] - c_old[i]);
+                    work += (mean(0) + mean(1) + mean(2)) * 0.5 + mean(3) + mean(4) + mean(5);
+                }
             }
-            work += (mean[0] + mean[1] + mean[2]) * 0.5 + mean[3] + mean[4] + mean[5];
-        }
+        });
         new[6 * self.stress_block()..][..6].copy_from_slice(&s);
         new[6 * self.shape_block()..][..6].copy_from_slice(&c);
         new[self.work()] = call.old[self.work()] + work;
@@ -193,21 +235,14 @@ impl Decoration<9> for Maxwell {
         true
     }
 
-    /// Exact for a driving stress linear in time within the step, hence stable for any step: an
-    /// instantaneous change (dt = 0) loads the branch elastically, a long rest empties it.
-    ///
-    /// The driving stress derives from an energy of the unimodular C̄; with Dev outside the
-    /// incremental stress has a potential and the tangent is symmetric.
     fn respond<S: Scalar>(&self, call: &Call<'_, S, 9>, inner_new: &mut [S], new: &mut [S]) -> Response<S, 9>
     where
         dyn PointLaw<9>: Law<S, 9>,
     {
-        let mut r = call.inner(inner_new);
-        let frame = Frame::new(call.gradient);
-        let followed = self.followed(call, &frame, &r.force);
-        let sum = self.relax(call, &frame, &followed, new);
-        add_scaled(&mut r.force, frame.m, &pushed(call.gradient, &frame.deviator(&sum)));
-        r
+        if !S::PLAIN && call.gradient.iter().all(S::is_constant) {
+            return self.answer(call, &call.gradient.map(S::value), inner_new, new);
+        }
+        self.answer(call, call.gradient, inner_new, new)
     }
 
     /// ΣH is linear in the driving stress: what the step starts from stays constant, and the share
@@ -224,15 +259,14 @@ impl Decoration<9> for Maxwell {
         self.relax(call, &frame, &followed.0, new);
         let s_old = read(call.old, self.stress_block());
         let (mut constant, mut share) = ([0.0; 6], 0.0);
-        for b in 0..self.times.count() {
-            let (g, tau) = self.times.of(call.own, b);
-            let x = call.ctx.dt / tau;
-            let (left, taken) = (decay(x), g * mean_decay(x));
-            share += taken;
-            for i in 0..6 {
-                constant[i] += call.old[6 * b + i] * left - taken * s_old[i];
+        with_weights(self.times, call.own, call.ctx.dt, |weights| {
+            for (b, w) in weights.iter().enumerate() {
+                share += w.taken;
+                for i in 0..6 {
+                    constant[i] += call.old[6 * b + i] * w.left - w.taken * s_old[i];
+                }
             }
-        }
+        });
         let mut sum = inner;
         add_constant(&mut sum, call.gradient, &g, frame.m, &frame.c, &constant);
         match &self.fibres {

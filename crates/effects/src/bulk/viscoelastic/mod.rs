@@ -2,6 +2,7 @@
 
 mod maxwell;
 mod times;
+mod weights;
 
 use super::{fibres_of, volumetric_of};
 use crate::decorator::decorate;
