@@ -95,7 +95,9 @@ const FEW_TRIALS: usize = 5;
 impl Search<'_> {
     fn run(&mut self, observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>) -> Result<Fit, FitError> {
         let z0 = DVector::from_iterator(self.free.len(), self.free.iter().map(|f| f.forward(f.start)));
-        let mut state = match self.evaluate(z0, true) {
+        // The values as given: through their coordinate and back the last bit may be another.
+        let start = self.free.iter().map(|f| f.start.clamp(f.lower, f.upper)).collect();
+        let mut state = match self.evaluate_at(start, z0, true) {
             Ok(state) => state,
             Err(Failure::Model(e)) => return Err(FitError::Start(e)),
             Err(Failure::Fatal(e)) => return Err(e),
@@ -254,8 +256,12 @@ impl Search<'_> {
     }
 
     fn evaluate(&mut self, z: DVector<f64>, jacobian: bool) -> Result<State, Failure> {
+        self.evaluate_at(self.physical(&z), z, jacobian)
+    }
+
+    /// At values whose coordinates are `z`.
+    fn evaluate_at(&mut self, theta: Vec<f64>, z: DVector<f64>, jacobian: bool) -> Result<State, Failure> {
         self.runs += 1;
-        let theta = self.physical(&z);
         let prediction = self.problem.predict(&theta, jacobian).map_err(Failure::Model)?;
         check_prediction(&prediction, self.data.points(), self.free.len(), jacobian)
             .map_err(Failure::Fatal)?;

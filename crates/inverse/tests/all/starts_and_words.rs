@@ -49,6 +49,26 @@ fn starts_lie_where_the_sequence_says() {
     close(around[1][1], (5f64.ln() - 0.5 + 1.0 / 3.0).exp());
 }
 
+/// A search without a step answers with the values as given, to the bit, whatever coordinate they are fitted in.
+#[test]
+fn a_search_without_a_step_keeps_its_start_to_the_bit() {
+    let toy = Toy(5, |i: usize, p: &[f64]| (p[0] + p[1] * i as f64, vec![1.0, i as f64]));
+    let d = data(&truth(&toy, &[0.2, 3.0]), NoiseModel::white(0.05));
+    let options = FitOptions { max_iterations: 0, ..FitOptions::default() };
+    let third = Transform::Logit { lower: 0.0, upper: 1.0 / 3.0 };
+    let mut moved = 0;
+    for n in 1..200 {
+        let (a, b) = (f64::from(n) / 607.0, 0.1 + f64::from(n) / 7.0);
+        let free = vec![
+            Free::new("kappa", (0.0, 1.0 / 3.0), third, a),
+            Free::new("mu", (0.0, f64::INFINITY), Transform::Log, b),
+        ];
+        moved += usize::from(free[1].backward(free[1].forward(b)) != b);
+        assert_eq!(quiet(&toy, &d, &free, &options).theta, [a, b]);
+    }
+    assert!(moved > 0, "through their coordinates and back some values change");
+}
+
 #[test]
 fn the_agreement_of_starts_is_a_sentence() {
     let toy = Toy(60, |i: usize, p: &[f64]| {
