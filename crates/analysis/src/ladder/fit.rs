@@ -34,12 +34,6 @@ const TRIALS: usize = 10;
 /// Reduced χ² beyond which a base model may be bent beyond recognition by what it lacks.
 pub(super) const FAR: f64 = 3.0;
 
-/// A fit that is still this many times worse than the best model known, after so many steps, and has not halved its
-/// misfit in the last of them, is given up: it will not be chosen.
-const HOPELESS: f64 = 4.0;
-const PATIENCE: usize = 4;
-const HALVED: f64 = 0.5;
-
 impl FeLadder<'_> {
     /// Values that a search from the record alone would begin with: no fit has bent them.
     pub(super) fn unbent(&self) -> Result<Vec<f64>, AnalysisError> {
@@ -109,7 +103,6 @@ impl FeLadder<'_> {
             };
             let progress = self.progress;
             let names = super::named(&model.effects());
-            let best = self.rungs.values().map(|f| f.fit.f).fold(f64::INFINITY, f64::min);
             let far = LITTLE * self.rungs.get(&Vec::new()).map_or(f64::INFINITY, |f| f.fit.f);
             let mut last = f64::INFINITY;
             let mut watch = |i: &Iterate| {
@@ -122,11 +115,9 @@ impl FeLadder<'_> {
                 }
                 // A trial that was rejected says nothing about the fit.
                 let taken = i.f.filter(|_| i.accepted);
-                let hopeless = i.iteration >= PATIENCE
-                    && taken.is_some_and(|f| f > HOPELESS * best && f > HALVED * last);
                 let idle = taken.is_some_and(|f| f > far && last - f < COARSE_TOLERANCE * f);
                 last = taken.unwrap_or(last);
-                if hopeless || idle { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                if idle { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
             let asked = Asked {
                 problem: &problem,
@@ -134,7 +125,7 @@ impl FeLadder<'_> {
                 data: &self.measured.data,
                 free: &list,
                 options: &options,
-                how: &format!("best {best}, far {far}"),
+                how: &format!("far {far}"),
                 cancelled: self.cancelled,
             };
             let done = remembered(self.journal, &asked, &mut watch, &mut |observer| {

@@ -22,6 +22,9 @@ use std::sync::atomic::Ordering;
 /// Share of the posterior from which on a set is fitted on the file's mesh, and the catalogue's columns are computed there, to
 /// see what would be added to it.
 const LEADS: f64 = 0.05;
+/// Share of a set, in those of its part that has most, from which on it may say something else than its part does: it was
+/// fitted from there, with the file's mesh seen from there.
+const OVERTAKES: f64 = 1.0 / 3.0;
 /// Most effects of a set.
 const LARGEST: usize = 4;
 /// Sets that are fitted in one round.
@@ -117,11 +120,8 @@ impl<'a> FeLadder<'a> {
                 self.begin_again(&singles)?;
                 continue;
             }
-            let leading: Vec<Vec<String>> = (posterior.sets.iter())
-                .filter(|s| s.probability + s.with_something_else >= LEADS)
-                .map(|s| s.effects.clone())
-                .filter(|s| self.rungs.contains_key(s))
-                .collect();
+            let leading: Vec<Vec<String>> =
+                leading(&posterior).into_iter().filter(|s| self.rungs.contains_key(s)).collect();
             let unsettled: Vec<Vec<String>> =
                 leading.iter().filter(|s| !self.rungs[*s].settled).cloned().collect();
             if !unsettled.is_empty() {
@@ -234,3 +234,17 @@ impl<'a> FeLadder<'a> {
 
 /// How much coarser than the file's mesh the search's is.
 const COARSER: f64 = 3.0;
+
+/// The sets that an answer may hang on: those with a share of the posterior, unless a part of theirs has most of it.
+fn leading(posterior: &evidence::Posterior) -> Vec<Vec<String>> {
+    let share = |s: &evidence::SetProbability| s.probability + s.with_something_else;
+    let part = |a: &evidence::SetProbability, of: &evidence::SetProbability| {
+        !a.effects.is_empty()
+            && a.effects.len() < of.effects.len()
+            && a.effects.iter().all(|e| of.effects.contains(e))
+    };
+    let sets = &posterior.sets;
+    let overtaken =
+        |s: &evidence::SetProbability| sets.iter().any(|p| part(p, s) && share(s) < OVERTAKES * share(p));
+    sets.iter().filter(|s| share(s) >= LEADS && !overtaken(s)).map(|s| s.effects.clone()).collect()
+}
