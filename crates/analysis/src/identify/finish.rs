@@ -66,7 +66,11 @@ impl Work<'_> {
         let dominated = |k: &usize| straight.covariance_z[(*k, *k)] > 2.0 * by_noise.covariance_z[(*k, *k)];
         let mesh_dominated =
             (0..answer.free.len()).filter(dominated).map(|k| answer.frees[k].path.clone()).collect();
-        let mut uncertainty = self.asymmetric(&answer, (&fit, &numerical_error), straight)?;
+        // Where no step was asked for, the values are no optimum: further runs would say how wrong a linear look is there.
+        let mut uncertainty = match self.case.identify.max_iterations {
+            0 => straight,
+            _ => self.asymmetric(&answer, (&fit, &numerical_error), straight)?,
+        };
         // Numbers that cannot be used leave intervals as they are: noise and mesh alone.
         let rest = self.unexplained(&answer, &fit, &measured, catalogue).ok();
         if let Some(rest) = &rest {
