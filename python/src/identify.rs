@@ -7,7 +7,7 @@ use input::Case;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use report::Curve;
-use report::answer::{Evaluator, IdentifyAnswer, SimulateAnswer, rung_case};
+use report::answer::{Evaluator, IdentifyAnswer, SimulateAnswer, fitted_case};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -136,7 +136,7 @@ pub fn discover(
             Evaluator { published: published.as_ref(), catalogue: &catalogue, journal: &NoJournal };
         let last = match found.ladder.last() {
             Some(row) => Some(
-                evaluator.rung(&rung_case(&case, row, None), &metered, |why| wire.tell(why.to_string()))?,
+                evaluator.fitted_model(&fitted_case(&case, row, None), &metered, |why| wire.tell(why.to_string()))?,
             ),
             None => None,
         };
@@ -183,7 +183,7 @@ fn slopes(done: &analysis::Identified) -> Slopes {
         .map(|(block, slot)| {
             let column = |&k: &usize| {
                 let values = block.range.clone().map(|at| jacobian[(at, k)]).collect();
-                (done.frees[k].path.clone(), values)
+                (done.free_parameters[k].path.clone(), values)
             };
             (done.model.tests[slot.test].test.name.clone(), shown.iter().map(column).collect())
         })

@@ -15,7 +15,7 @@ fn search(c: &mut Criterion) {
     let case = input::read_case(&file, &catalogue).expect("the shipped file is read");
     let how = Discretisation { coarsen: 2.0, ..Discretisation::default() };
     let mut options = analysis::run_options(&case);
-    options.march.newton.tolerance = 1e-7;
+    options.stepping.newton.tolerance = 1e-7;
     let model = Model::new(Arc::new(case), &catalogue, how).expect("a model");
     let measured = Measured::of(&model, &model.recorded()).expect("records");
     let (theta, free) = (model.theta(), model.free());

@@ -1,7 +1,7 @@
 //! The search for what is missing, with every model that it weighed: `cargo run --release -p analysis --example disc -- FILE…`
 //! (`V=1`: what it does, as it does it).
 
-use analysis::{AnalysisError, FeLadder, How, Meter, Metered, NoJournal, Weighed};
+use analysis::{AnalysisError, FeLadder, LadderSettings, Meter, Metered, NoJournal, Weighed};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -25,7 +25,7 @@ fn main() {
         };
         let (meter, go) = (Meter::new(true), || false);
         let metered = Metered::new(&go, &meter);
-        let how = How {
+        let how = LadderSettings {
             catalogue: &catalogue,
             policy: diagnose::Policy::default(),
             progress: &progress,
@@ -49,7 +49,7 @@ fn main() {
     }
 }
 
-fn search(case: input::Case, how: How) -> Result<(Weighed, FeLadder), AnalysisError> {
+fn search(case: input::Case, how: LadderSettings) -> Result<(Weighed, FeLadder), AnalysisError> {
     let mut ladder = FeLadder::weighing(Arc::new(case), how)?;
     Ok((ladder.weighed()?, ladder))
 }
@@ -65,7 +65,7 @@ fn show(path: &str, weighed: &Weighed, ladder: &FeLadder) {
     for s in p.posterior.sets.iter().take(8) {
         println!("   {:.3} {:.3} {:?}", s.probability, s.with_something_else, s.effects);
     }
-    for (set, f) in &ladder.rungs {
+    for (set, f) in &ladder.fitted_models {
         let settled = if f.settled { "on the file's mesh" } else { "" };
         println!("      {set:?} χ² {:.1} {settled}", f.fit.f);
     }

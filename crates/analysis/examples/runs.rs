@@ -14,7 +14,7 @@ fn main() {
             let mut options = analysis::run_options(&case);
             if search {
                 (options.tearing_steps, options.uniaxial_steps) = (30, 14);
-                options.march.newton.tolerance = 1e-7;
+                options.stepping.newton.tolerance = 1e-7;
             }
             let m = model::Model::new(Arc::new(case.clone()), &cat, how).unwrap();
             let wanted = m.recorded();

@@ -4,12 +4,12 @@ use crate::compare::{self, Where};
 use crate::cost::PhaseCost;
 use crate::identify::AnalysisError;
 use crate::journal::{Journal, Recent};
-use crate::ladder::{Adds, FeLadder, How, NextTest, Weighed};
+use crate::ladder::{Adds, FeLadder, LadderSettings, NextTest, Weighed};
 use crate::parsimony::OneStrength;
 use crate::probable::{Left, PosteriorAnswer};
 use crate::problem::Cancelled;
 use crate::told;
-use diagnose::{Finding, Policy, Rung, Screen, Verdict};
+use diagnose::{Finding, FittedModel, Policy, Screen, Verdict};
 use input::{Case, EffectConfig};
 use model::Catalogue;
 use serde::Serialize;
@@ -163,7 +163,7 @@ pub(crate) fn word(v: Verdict) -> &'static str {
     }
 }
 
-pub(crate) fn ladder_row(l: &FeLadder, r: &Rung) -> LadderRow {
+pub(crate) fn ladder_row(l: &FeLadder, r: &FittedModel) -> LadderRow {
     let fitted = l.shown(&FeLadder::key(&r.effects));
     let values = fitted.map_or_else(BTreeMap::new, |f| {
         f.free.iter().map(|&i| (f.model.parameters[i].path.clone(), f.theta[i])).collect()
@@ -195,7 +195,7 @@ pub fn diagnose(
     let start = Instant::now();
     let policy = Policy::default();
     let recent = Recent::new(journal);
-    let how = How { catalogue, policy: policy.clone(), progress, cancelled, journal: &recent };
+    let how = LadderSettings { catalogue, policy: policy.clone(), progress, cancelled, journal: &recent };
     let mut ladder = FeLadder::weighing(case, how)?;
     let weighed = ladder.weighed_by_columns()?;
     let mut words = vec![compare::place_in_words(&compare::residuals_of(&ladder))];
@@ -245,7 +245,7 @@ pub fn discover(
     let start = Instant::now();
     let policy = Policy::default();
     let recent = Recent::new(journal);
-    let how = How { catalogue, policy: policy.clone(), progress, cancelled, journal: &recent };
+    let how = LadderSettings { catalogue, policy: policy.clone(), progress, cancelled, journal: &recent };
     let mut ladder = FeLadder::weighing(case, how)?;
     let weighed = ladder.weighed()?;
     let next_test = ladder.next_test(&weighed.discovery);

@@ -172,7 +172,7 @@ pub fn depends_on(all: &[Residuals]) -> (Vec<DependsOn>, Vec<String>) {
 
 /// Force misfits at the base fit of a search.
 pub(crate) fn residuals_of(l: &FeLadder) -> Vec<Residuals> {
-    let Some(base) = l.rungs.get(&Vec::new()) else { return Vec::new() };
+    let Some(base) = l.fitted_models.get(&Vec::new()) else { return Vec::new() };
     let misfit = l.measured.data.misfit(&base.fit.prediction.values);
     let blocks = l.measured.slots.iter().zip(&l.measured.data.blocks);
     blocks

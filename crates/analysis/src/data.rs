@@ -32,7 +32,7 @@ pub enum RecordError {
 
 /// A block's place in the case.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Slot {
+pub struct DataBlock {
     /// Index of the test.
     pub test: usize,
     /// Channel.
@@ -47,7 +47,7 @@ pub struct Measured {
     /// Blocks in order.
     pub data: Data,
     /// Their places, in the same order.
-    pub slots: Vec<Slot>,
+    pub slots: Vec<DataBlock>,
 }
 
 impl Measured {
@@ -64,7 +64,7 @@ impl Measured {
     ///
     /// # Errors
     /// As [`Measured::of`].
-    pub fn cautious(model: &Model, wanted: &[bool]) -> Result<Self, RecordError> {
+    pub fn conservative(model: &Model, wanted: &[bool]) -> Result<Self, RecordError> {
         Self::with(model, wanted, true)
     }
 
@@ -103,7 +103,7 @@ impl Measured {
                     _ => format!("{}.{}", test.test.name, channel.word()),
                 };
                 parts.push((name, values, noise));
-                slots.push(Slot { test: t, channel, rows });
+                slots.push(DataBlock { test: t, channel, rows });
             }
         }
         if parts.is_empty() {

@@ -33,17 +33,17 @@ pub use compare::{
 pub use condense::condensed;
 pub use correction::Correction;
 pub use cost::{Meter, Metered, Phase, PhaseCost, Watch, Within};
-pub use data::{Measured, RecordError, Slot};
+pub use data::{DataBlock, Measured, RecordError};
 pub use design::{
     Asked, Confirmed, DesignAnswer, DesignRequest, Foresight, Known, RatedProtocol, Variant, design,
 };
 pub use doctor::{Advice, Doctor, RecordFindings, doctor};
 pub use held_out::HeldOut;
 pub use identify::{
-    AnalysisError, Control, HistoryEntry, Identified, Progress, Stage, frees, identify, run_options,
+    AnalysisError, Control, HistoryEntry, Identified, Progress, Stage, free_parameters, identify, run_options,
 };
 pub use journal::{Journal, NoJournal};
-pub use ladder::{Adds, FeLadder, Fitted, How, NextTest, Tried, Weighed};
+pub use ladder::{Adds, FeLadder, Fitted, LadderSettings, NextTest, Tried, Weighed};
 pub use needs::{Need, needs};
 pub use parsimony::{OneStrength, one_strength};
 pub use probable::{Brief, Left, PosteriorAnswer, Probable};

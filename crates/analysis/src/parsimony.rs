@@ -5,9 +5,9 @@ use crate::answer::{DiscoverAnswer, LadderRow, ladder_row, word};
 use crate::cost::{Phase, Within};
 use crate::identify::AnalysisError;
 use crate::journal::{Journal, Recent};
-use crate::ladder::{FeLadder, How};
+use crate::ladder::{FeLadder, LadderSettings};
 use crate::problem::Cancelled;
-use diagnose::{Policy, Rung, Verdict};
+use diagnose::{FittedModel, Policy, Verdict};
 use input::{Case, Mode, Value};
 use model::Catalogue;
 use serde::Serialize;
@@ -54,7 +54,8 @@ pub fn one_strength(
     let cancelled: Cancelled = &within;
     let said = |line: &str| progress(&format!("one strength: {line}"));
     let recent = Recent::new(journal);
-    let how = How { catalogue, policy: policy.clone(), progress: &said, cancelled, journal: &recent };
+    let how =
+        LadderSettings { catalogue, policy: policy.clone(), progress: &said, cancelled, journal: &recent };
     let mut found = case.clone();
     found.effects.clone_from(&many.forms);
     crate::start_at(&mut found, many.values.iter().map(|(p, v)| (p.as_str(), *v)));
@@ -63,19 +64,19 @@ pub fn one_strength(
     simple.identify.coarse_first = false;
     simple.identify.mode = Mode::Joint;
     let mut ladder = FeLadder::weighing(Arc::new(simple), how)?;
-    let mut rungs = ladder.likely(if many.effects.is_empty() { TRIED } else { 0 }, &policy)?;
-    let mut rows: Vec<LadderRow> = rungs.iter().map(|r| ladder_row(&ladder, r)).collect();
+    let mut fitted_models = ladder.likely(if many.effects.is_empty() { TRIED } else { 0 }, &policy)?;
+    let mut rows: Vec<LadderRow> = fitted_models.iter().map(|r| ladder_row(&ladder, r)).collect();
     // To the ladder they belong to its base model, to the reader they are what was found.
-    for (rung, row) in rungs.iter_mut().zip(&mut rows) {
-        for effects in [&mut rung.effects, &mut row.effects] {
+    for (fitted_model, row) in fitted_models.iter_mut().zip(&mut rows) {
+        for effects in [&mut fitted_model.effects, &mut row.effects] {
             *effects = many.effects.iter().chain(effects.iter()).cloned().collect();
         }
     }
-    let mut order: Vec<&Rung> = rungs.iter().collect();
+    let mut order: Vec<&FittedModel> = fitted_models.iter().collect();
     order.sort_by(|a, b| a.bic.total_cmp(&b.bic));
     let closest = order[0];
-    let good = |r: &&Rung| r.explained(&policy) && r.bic <= many.bic + policy.tie_bic;
-    let as_good: Vec<&Rung> = order.into_iter().filter(good).collect();
+    let good = |r: &&FittedModel| r.explained(&policy) && r.bic <= many.bic + policy.tie_bic;
+    let as_good: Vec<&FittedModel> = order.into_iter().filter(good).collect();
     Ok(Some(OneStrength {
         words: sentence(&as_good, closest, many),
         as_good: as_good.iter().map(|r| r.effects.clone()).collect(),
@@ -96,7 +97,7 @@ fn simplified(case: &Case) -> Case {
     simple
 }
 
-fn sentence(as_good: &[&Rung], closest: &Rung, many: &LadderRow) -> String {
+fn sentence(as_good: &[&FittedModel], closest: &FittedModel, many: &LadderRow) -> String {
     let Some(best) = as_good.first() else {
         return format!(
             "One strength along the path is no match for the many areas (at best {}: reduced χ² {:.2}, BIC {:.1} against {:.1}).",
@@ -118,6 +119,6 @@ fn sentence(as_good: &[&Rung], closest: &Rung, many: &LadderRow) -> String {
     )
 }
 
-fn with(r: &Rung) -> String {
+fn with(r: &FittedModel) -> String {
     if r.effects.is_empty() { "no effect".into() } else { format!("with {}", r.effects.join(" and ")) }
 }

@@ -10,7 +10,7 @@ const GIVEN_SD: f64 = 0.5;
 
 /// A search does not look farther than this many standard deviations from the prior: beyond, a
 /// tissue without matrix or without fibres would pay for any missing effect.
-const REACH: f64 = 3.0;
+const PRIOR_WIDTH: f64 = 3.0;
 
 /// The path without its area: `interface.area[3].gc` → `interface.gc`.
 fn common(path: &str) -> Option<ParamPath> {
@@ -52,12 +52,12 @@ fn given_value(case: &Case, path: &ParamPath) -> Option<f64> {
 }
 
 /// Adds priors to free parameters: the file's own first; else, where `literature`, around the value
-/// the file gives, or the literature's; the search then stays within reach of them ([`REACH`]), narrower bounds of the file
+/// the file gives, or the literature's; the search then stays within reach of them ([`PRIOR_WIDTH`]), narrower bounds of the file
 /// first. Without `literature` it stays within reach of the literature's where the file gives no value; what a file gives as a
 /// start bounds nothing.
-pub fn add(frees: &mut [Free], case: &Case, literature: bool) {
+pub fn add(free_parameters: &mut [Free], case: &Case, literature: bool) {
     let expected = expectations(case);
-    for f in frees {
+    for f in free_parameters {
         let Some(path) = common(&f.path) else { continue };
         let config = &case.identify.priors;
         if let Some(p) = config.given.get(&f.path).or_else(|| config.given.get(&path.to_string())) {
@@ -83,8 +83,8 @@ pub fn add(frees: &mut [Free], case: &Case, literature: bool) {
         let sd = if given.is_some() && path.owner == Owner::Bulk { GIVEN_SD } else { spread };
         let mean = f.transform.forward(at);
         f.prior = Some(Prior { mean, sd });
-        f.lower = f.lower.max(f.transform.backward(mean - REACH * sd));
-        f.upper = f.upper.min(f.transform.backward(mean + REACH * sd));
+        f.lower = f.lower.max(f.transform.backward(mean - PRIOR_WIDTH * sd));
+        f.upper = f.upper.min(f.transform.backward(mean + PRIOR_WIDTH * sd));
         f.start = f.start.clamp(f.lower, f.upper);
     }
 }
@@ -110,7 +110,7 @@ mod tests {
     fn priors_of(case: &Case) -> Vec<Free> {
         let model = Model::new(Arc::new(case.clone()), &effects::catalogue(), Discretisation::default())
             .expect("a model");
-        let mut list = crate::identify::frees(&model, &model.theta(), &model.free());
+        let mut list = crate::identify::free_parameters(&model, &model.theta(), &model.free());
         add(&mut list, case, true);
         list
     }

@@ -104,12 +104,14 @@ pub(crate) fn probable(ladder: &FeLadder) -> Result<Probable, EvidenceError> {
 pub(crate) fn probable_with_models(
     ladder: &FeLadder,
 ) -> Result<(Probable, Posterior, Vec<Judged>), EvidenceError> {
-    let base = ladder.rungs.get(&Vec::new()).ok_or(EvidenceError::Empty)?;
+    let base = ladder.fitted_models.get(&Vec::new()).ok_or(EvidenceError::Empty)?;
     let beliefs = Beliefs::of(&ladder.case().diagnose, ladder.catalogue());
     let measured = ladder.measured.as_estimated(&base.model).unwrap_or_else(|_| ladder.measured.clone());
-    let scale = Scale::new(&measured, ladder.rungs.values().map(AtFit::from), ladder.catalogue(), &beliefs)?;
-    let rungs: Vec<(&Vec<String>, AtFit)> = ladder.rungs.iter().map(|(k, f)| (k, f.into())).collect();
-    let weighed = scale.weigh(&rungs)?;
+    let scale =
+        Scale::new(&measured, ladder.fitted_models.values().map(AtFit::from), ladder.catalogue(), &beliefs)?;
+    let fitted_models: Vec<(&Vec<String>, AtFit)> =
+        ladder.fitted_models.iter().map(|(k, f)| (k, f.into())).collect();
+    let weighed = scale.weigh(&fitted_models)?;
     let mut models: Vec<Judged> = weighed.iter().map(|w| w.judged.clone()).collect();
     models.extend(beside(ladder, &scale, &weighed)?);
     let posterior = Posterior::of(&models, &beliefs.sets);
@@ -132,13 +134,13 @@ fn beside(
     let mut asked: Vec<(Vec<String>, usize, &Fitted, &Candidate)> = Vec::new();
     for (key, candidates) in &ladder.screened {
         let (Some(f), Some(at)) =
-            (ladder.rungs.get(key), weighed.iter().position(|w| &w.judged.effects == key))
+            (ladder.fitted_models.get(key), weighed.iter().position(|w| &w.judged.effects == key))
         else {
             continue;
         };
         for candidate in candidates {
             let larger = FeLadder::key(&[key.as_slice(), std::slice::from_ref(&candidate.effect)].concat());
-            if !ladder.rungs.contains_key(&larger) && ladder.compatible(&larger) {
+            if !ladder.fitted_models.contains_key(&larger) && ladder.compatible(&larger) {
                 asked.push((larger, at, f, candidate));
             }
         }

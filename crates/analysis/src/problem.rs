@@ -2,7 +2,7 @@
 
 use crate::correction::Correction;
 use crate::cost::Watch;
-use crate::data::Slot;
+use crate::data::DataBlock;
 use fem::Warm;
 use inverse::{PredictError, Prediction, Problem};
 use model::{Channel, Model, Request, RunOptions, TestRun};
@@ -25,7 +25,7 @@ pub struct FeProblem<'a> {
     /// Indices of the free ones.
     pub free: Vec<usize>,
     /// Blocks of the prediction vector.
-    pub slots: &'a [Slot],
+    pub slots: &'a [DataBlock],
     /// Run options.
     pub options: RunOptions,
     /// Added to the prediction: what a finer mesh says more.
@@ -44,7 +44,7 @@ impl<'a> FeProblem<'a> {
         model: &'a Model,
         theta: Vec<f64>,
         free: Vec<usize>,
-        slots: &'a [Slot],
+        slots: &'a [DataBlock],
         options: RunOptions,
         cancelled: Cancelled<'a>,
     ) -> Self {
@@ -142,8 +142,8 @@ impl<'a> FeProblem<'a> {
             wanted[s.test] = true;
         }
         let mut options = self.options;
-        options.march.keep_states = true;
-        options.march.keep_gradients = !seeds.is_empty();
+        options.stepping.keep_states = true;
+        options.stepping.keep_gradients = !seeds.is_empty();
         let warm = self.nearest(theta);
         self.runs.fetch_add(1, Ordering::Relaxed);
         let stops = || self.cancelled.stops();

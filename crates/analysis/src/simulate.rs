@@ -97,7 +97,7 @@ pub fn simulate(
 ) -> Result<Simulated, AnalysisError> {
     let how = Discretisation { idle_neutral: true, ..Discretisation::default() };
     let model = Model::checked(case.clone(), catalogue, how, Purpose::Simulation)?;
-    let mut stepping = run_options(&case).march;
+    let mut stepping = run_options(&case).stepping;
     stepping.ledger = true;
     stepping.keep_states = true;
     let tests: Vec<(Plan, SteppingOptions)> =
@@ -120,7 +120,7 @@ pub fn replay(
     control.cancelled.phase(Phase::Replay);
     let model = &identified.model;
     let options: RunOptions = identified.options;
-    let stepping = SteppingOptions { ledger: true, keep_states: true, ..options.march };
+    let stepping = SteppingOptions { ledger: true, keep_states: true, ..options.stepping };
     let tests: Vec<(Plan, SteppingOptions)> =
         (0..model.tests.len()).map(|t| (model.plan(t, &options), stepping)).collect();
     let replayed = run_all(model, &identified.theta, &tests, control)?;

@@ -100,7 +100,7 @@ fn bulk_starts(
     work: &mut Work,
 ) -> Result<Vec<Vec<f64>>, AnalysisError> {
     let Some(tests) = tests else { return Ok(vec![file.to_vec()]) };
-    let list = crate::identify::frees(model, file, bulk);
+    let list = crate::identify::free_parameters(model, file, bulk);
     let mut starts = crate::strip::tissues(model, work.case, &list, file);
     let offered = model.starts();
     let given = |i: usize| work.case.bulk.value(&model.parameters[i].spec.name).value.is_some();

@@ -27,12 +27,12 @@ struct Grid<'a> {
 }
 
 /// θ at the best few tissues of the grid that the bulk law offers, the best first, apart from each other where the law
-/// says that one curve has several optima. Parameters that `frees` does not hold keep their value in `theta`. Empty
+/// says that one curve has several optima. Parameters that `free_parameters` does not hold keep their value in `theta`. Empty
 /// without a uniaxial record.
-pub(crate) fn tissues(model: &Model, case: &Case, frees: &[Free], theta: &[f64]) -> Vec<Vec<f64>> {
+pub(crate) fn tissues(model: &Model, case: &Case, free_parameters: &[Free], theta: &[f64]) -> Vec<Vec<f64>> {
     let record = points(case);
     let Some(offered) = model.starts().filter(|_| !record.is_empty()) else { return Vec::new() };
-    let mut list = frees.to_vec();
+    let mut list = free_parameters.to_vec();
     priors::add(&mut list, case, true);
     let of = |i: usize| list.iter().find(|f| f.path == model.parameters[i].path).cloned();
     let free = (0..offered.template.len()).map(of).collect();

@@ -6,7 +6,7 @@ use crate::plan::{Plan, Task, VERSION};
 use analysis::{AnalysisError, Control, Journal, SimulateControl, Watch};
 use input::Case;
 use model::Catalogue;
-use report::answer::{Evaluator, IdentifyAnswer, rung_case};
+use report::answer::{Evaluator, IdentifyAnswer, fitted_case};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -77,8 +77,9 @@ impl Doing<'_> {
         let found = analysis::discover(case.clone(), catalogue, note, watch, self.journal)?;
         let last =
             found.ladder.last().ok_or_else(|| AnalysisError::Case("the search has no model".into()))?;
-        let evaluated =
-            self.evaluator().rung(&rung_case(case, last, None), watch, |why| note(&why.to_string()))?;
+        let evaluated = self
+            .evaluator()
+            .fitted_model(&fitted_case(case, last, None), watch, |why| note(&why.to_string()))?;
         let json = serde_json::to_value(&found).map_err(|e| AnalysisError::Case(e.to_string()))?;
         Ok(done(evaluated.answer, Some(json)))
     }

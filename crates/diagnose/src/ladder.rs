@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 /// A fitted model: the base with a set of effects.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Rung {
+pub struct FittedModel {
     /// Effects, in the order of the search.
     pub effects: Vec<String>,
     /// Free parameters.
@@ -38,9 +38,9 @@ pub struct Rung {
 }
 
 /// A larger reduced χ² with the record's noise alone leans on the model's numerical error to be explained.
-pub const LEANS: f64 = 2.0;
+pub const MESH_ERROR_ONLY: f64 = 2.0;
 
-impl Rung {
+impl FittedModel {
     /// A rung from a fit's quality. `rms` is over all force points; `structure_p` as
     /// [`crate::atlas::structure_p`] gives it. Nothing is held out yet.
     pub fn new(effects: &[String], quality: &Quality, rms: f64, structure_p: f64) -> Self {

@@ -25,7 +25,7 @@ pub mod words;
 pub use candidate::{Amplitude, Candidate, ShapeColumns, Side};
 pub use chance::{Chance, chances};
 pub use foresee::{Foreseen, Shown, foresee};
-pub use ladder::{Hints, LEANS, Rung, weights};
+pub use ladder::{FittedModel, Hints, MESH_ERROR_ONLY, weights};
 pub use noise::{NoiseError, NoiseEstimate};
 pub use pairs::{Pair, separation};
 pub use policy::Policy;

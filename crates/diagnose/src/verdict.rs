@@ -1,6 +1,6 @@
 //! The answer of a search.
 
-use crate::{Rung, Screen};
+use crate::{FittedModel, Screen};
 use serde::Serialize;
 
 /// How the search ended.
@@ -21,9 +21,9 @@ pub enum Verdict {
 #[derive(Clone, Debug, Serialize)]
 pub struct Discovery {
     /// Accepted models, base first.
-    pub ladder: Vec<Rung>,
+    pub ladder: Vec<FittedModel>,
     /// Every model that was fitted, in order.
-    pub tried: Vec<Rung>,
+    pub tried: Vec<FittedModel>,
     /// Sets that could not be fitted, with the reason.
     pub failed: Vec<(Vec<String>, String)>,
     /// Screen of the base model.
@@ -42,7 +42,7 @@ pub struct Discovery {
 
 impl Discovery {
     /// The last accepted model.
-    pub fn last(&self) -> Option<&Rung> {
+    pub fn last(&self) -> Option<&FittedModel> {
         self.ladder.last()
     }
 }

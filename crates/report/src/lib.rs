@@ -32,7 +32,7 @@ pub use runs::{RunInfo, StoredRun};
 pub use search_log::SearchLog;
 pub use shell::{quoted, quoted_path};
 pub use store::{
-    Partial, exported, store_discover, store_identify, store_partial, store_rung, store_simulate,
+    Partial, exported, store_discover, store_fitted_model, store_identify, store_partial, store_simulate,
     store_unfinished,
 };
 pub use synthetic::{SyntheticFile, synthetic_files};

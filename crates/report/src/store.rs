@@ -57,16 +57,16 @@ pub fn store_discover(
         curve_files(dir, &curves)?;
         fields(dir, case, &snapshots(&done.model, &done.theta, replayed, case.output.fields))?;
         let mut all = figures::of_identify(found, &curves)?;
-        let rungs: Vec<(String, f64)> =
-            answer.ladder.iter().map(|r| (rung_name(&r.effects), r.rms_n)).collect();
-        all.extend(figures::staircase(&rungs, noise(found))?);
+        let fitted_models: Vec<(String, f64)> =
+            answer.ladder.iter().map(|r| (fitted_name(&r.effects), r.rms_n)).collect();
+        all.extend(figures::staircase(&fitted_models, noise(found))?);
         figure_files(dir, &all, &case.output.figures)?;
     }
     page(dir)?;
     Ok(json)
 }
 
-fn rung_name(effects: &[String]) -> String {
+fn fitted_name(effects: &[String]) -> String {
     if effects.is_empty() { "base".into() } else { effects.join(" + ") }
 }
 
@@ -89,7 +89,7 @@ pub fn store_identify(
     info: &RunInfo,
 ) -> Result<(), ReportError> {
     let case = &done.model.case;
-    let curves = rung(dir, done, case, replayed, answer, info)?;
+    let curves = fitted_model(dir, done, case, replayed, answer, info)?;
     fields(dir, case, &snapshots(&done.model, &done.theta, replayed, case.output.fields))?;
     figure_files(dir, &figures::of_identify(answer, &curves)?, &case.output.figures)?;
     page(dir)
@@ -99,7 +99,7 @@ pub fn store_identify(
 ///
 /// # Errors
 /// If the disk refuses.
-pub fn store_rung(
+pub fn store_fitted_model(
     dir: &RunDir,
     done: &Identified,
     case: &Case,
@@ -107,12 +107,12 @@ pub fn store_rung(
     answer: &IdentifyAnswer,
     info: &RunInfo,
 ) -> Result<(), ReportError> {
-    rung(dir, done, case, replayed, answer, info)?;
+    fitted_model(dir, done, case, replayed, answer, info)?;
     let strips = pictures(&snapshots(&done.model, &done.theta, replayed, case.output.fields));
     strips.iter().try_for_each(|(name, svg)| dir.write(format!("figures/{name}.svg"), svg.as_bytes()))
 }
 
-fn rung(
+fn fitted_model(
     dir: &RunDir,
     done: &Identified,
     case: &Case,

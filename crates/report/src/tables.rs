@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 pub fn jacobian_csv(done: &Identified) -> Result<Vec<u8>, ReportError> {
     let shown: Vec<usize> = (0..done.free.len()).filter(|&k| !done.model.is_hidden(done.free[k])).collect();
     let mut header = vec!["block".to_owned(), "row".into(), "prediction".into()];
-    header.extend(shown.iter().map(|&k| done.frees[k].path.clone()));
+    header.extend(shown.iter().map(|&k| done.free_parameters[k].path.clone()));
     let prediction = &done.fit.prediction;
     let blocks = done.measured.data.blocks.iter().zip(&done.measured.slots);
     let rows = blocks.flat_map(|(block, slot)| {

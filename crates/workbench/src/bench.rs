@@ -352,15 +352,18 @@ impl Bench {
         let out = self.name(&format!("runs/{:02}-discover", self.number()));
         let words = ["discover", config, "--out", &out].map(str::to_owned);
         let answer = self.fct(&words, job)?;
-        let rungs = answer["ladder"].as_array().map_or(0, Vec::len);
+        let fitted_models = answer["ladder"].as_array().map_or(0, Vec::len);
         let mut lines = vec![line(&words)];
-        for rung in (0..rungs).map(|k| format!("{out}/rungs/{k}")).filter(|r| self.path(r).is_dir()) {
-            let title = StoredRun::read(&self.path(&rung)).ok().and_then(|r| r.identify()).map(|a| a.effects);
+        for fitted_model in
+            (0..fitted_models).map(|k| format!("{out}/rungs/{k}")).filter(|r| self.path(r).is_dir())
+        {
+            let title =
+                StoredRun::read(&self.path(&fitted_model)).ok().and_then(|r| r.identify()).map(|a| a.effects);
             let title = title
                 .filter(|e| !e.is_empty())
                 .map_or("Found: base model".to_owned(), |e| format!("Found: {}", e.join(" + ")));
-            let config = format!("{rung}/run.toml");
-            self.fitted("discover", &title, std::mem::take(&mut lines), &config, &rung, false, job)?;
+            let config = format!("{fitted_model}/run.toml");
+            self.fitted("discover", &title, std::mem::take(&mut lines), &config, &fitted_model, false, job)?;
         }
         Ok(())
     }

@@ -65,8 +65,8 @@ fn diagnosis(run: &StoredRun) -> Option<Value> {
     if let Some(own) = run.diagnosis().ok().flatten() {
         return Some(own);
     }
-    let rungs = run.path.parent().filter(|p| p.ends_with("rungs"))?;
-    let search = StoredRun::read(rungs.parent()?).ok()?;
+    let fitted_models = run.path.parent().filter(|p| p.ends_with("rungs"))?;
+    let search = StoredRun::read(fitted_models.parent()?).ok()?;
     (search.info.command == "discover").then_some(search.answer)
 }
 

@@ -5,7 +5,7 @@ use crate::GenerateError;
 use crate::draw::between;
 use crate::outside::SutureEffect;
 use crate::protocol::Extent;
-use analysis::{FeProblem, SimulateControl, Slot, simulate};
+use analysis::{DataBlock, FeProblem, SimulateControl, simulate};
 use input::{Case, EffectConfig, Integration, Leg, Location, Record, Value};
 use inverse::Random;
 use model::{Catalogue, Channel, Discretisation, Model, Options, RunOptions};
@@ -149,9 +149,13 @@ pub struct Computed {
 }
 
 /// Blocks of one channel in every test.
-pub fn slots(case: &Case, channel: Channel) -> Vec<Slot> {
+pub fn slots(case: &Case, channel: Channel) -> Vec<DataBlock> {
     let rows = |r: &Option<Record>| (0..r.as_ref().map_or(0, Record::len)).collect();
-    case.tests.iter().enumerate().map(|(test, t)| Slot { test, channel, rows: rows(&t.record) }).collect()
+    case.tests
+        .iter()
+        .enumerate()
+        .map(|(test, t)| DataBlock { test, channel, rows: rows(&t.record) })
+        .collect()
 }
 
 /// Computes the records of a case whose tests have their motion. `None`: a jump, or no solution.
@@ -170,7 +174,8 @@ pub fn compute(case: &Case, catalogue: &Catalogue, steps: usize) -> Result<Optio
         follow_holds: true,
         ..analysis::run_options(&case)
     };
-    let both: Vec<Slot> = [slots(&case, Channel::Force), slots(&case, Channel::GripDisplacement)].concat();
+    let both: Vec<DataBlock> =
+        [slots(&case, Channel::Force), slots(&case, Channel::GripDisplacement)].concat();
     let problem = FeProblem::new(&model, model.theta(), Vec::new(), &both, options, &never);
     let runs = problem.run(&problem.theta, &[])?;
     if runs.iter().flatten().any(|r| r.run.failure.is_some() || !r.run.jumps.is_empty()) {
@@ -183,7 +188,7 @@ pub fn compute(case: &Case, catalogue: &Catalogue, steps: usize) -> Result<Optio
 }
 
 /// A prediction vector cut into its blocks.
-fn split(values: &DVector<f64>, slots: &[Slot]) -> Vec<Vec<f64>> {
+fn split(values: &DVector<f64>, slots: &[DataBlock]) -> Vec<Vec<f64>> {
     let mut at = 0;
     slots
         .iter()

@@ -37,7 +37,7 @@ struct Secret {
 }
 
 /// A piece whose tear does not jump, with its protocol and its records.
-struct Piece {
+struct Made {
     case: Case,
     tissue: Tissue,
     secret: Secret,
@@ -75,7 +75,7 @@ fn piece_of(
     fineness: &Fineness,
     catalogue: &Catalogue,
     random: &mut Random,
-) -> Result<Option<Piece>, GenerateError> {
+) -> Result<Option<Made>, GenerateError> {
     let mut case = template()?;
     (case.mesh.bulk_size, case.mesh.path_size) = (fineness.fit.bulk, fineness.fit.path);
     case.geometry = draw::geometry(random);
@@ -107,7 +107,7 @@ struct Attempt<'a> {
 }
 
 impl Attempt<'_> {
-    fn compute(&self, mut case: Case, random: &mut Random) -> Result<Option<Piece>, GenerateError> {
+    fn compute(&self, mut case: Case, random: &mut Random) -> Result<Option<Made>, GenerateError> {
         for t in &mut case.tests {
             let legs = if t.kind.tears {
                 protocol::tearing(self.spec.protocol, &self.extent, random)
@@ -135,7 +135,7 @@ impl Attempt<'_> {
             None => format!("bulk {:.3} mm, path {:.3} mm, {} layers", m.bulk_size, m.path_size, m.layers),
         };
         let fine = format!("{words}, nodal interface, {} steps", self.fineness.steps);
-        Ok(Some(Piece { case, tissue: self.tissue.clone(), secret, base, full, without, fine }))
+        Ok(Some(Made { case, tissue: self.tissue.clone(), secret, base, full, without, fine }))
     }
 
     /// What is hidden, with parameters drawn to the sizes of this piece.
@@ -216,7 +216,7 @@ impl Attempt<'_> {
 fn finish(
     spec: &Spec,
     fineness: &Fineness,
-    p: Piece,
+    p: Made,
     catalogue: &Catalogue,
     random: &mut Random,
     folder: &Path,
@@ -271,7 +271,7 @@ fn change(from: &Computed, to: &Computed) -> Vec<f64> {
     from.force.iter().flatten().zip(to.force.iter().flatten()).map(|(a, b)| b - a).collect()
 }
 
-fn noisy(p: &Piece, test: usize, sd: f64, ar1: f64, camera: bool, random: &mut Random) -> Record {
+fn noisy(p: &Made, test: usize, sd: f64, ar1: f64, camera: bool, random: &mut Random) -> Record {
     let mut r = p.case.tests[test].record.clone().unwrap_or_default();
     let noise = random.ar1(r.len(), sd, ar1);
     r.force = p.full.force[test].iter().zip(noise.iter()).map(|(f, n)| f + n).collect();

@@ -6,7 +6,7 @@ use crate::GenerateError;
 use crate::files::{self, Truth, VISIBLE};
 use crate::forward::{self, add_effect, never, slots};
 use crate::outside::Outside;
-use analysis::{FeProblem, frees, run_options};
+use analysis::{FeProblem, free_parameters, run_options};
 use input::Case;
 use inverse::{Data, FitOptions, NoiseModel, Problem};
 use model::{Catalogue, Channel, Discretisation, Model};
@@ -164,7 +164,7 @@ impl Trial<'_> {
         }
         let data = Data::from_parts(parts).map_err(|e| GenerateError::Model(e.to_string()))?;
         let mut problem = FeProblem::new(&model, theta.clone(), free.clone(), &slots, options, &never);
-        problem.options.march.budget = BUDGET;
+        problem.options.stepping.budget = BUDGET;
         let how = FitOptions {
             tolerance: TOLERANCE,
             max_iterations: STEPS,
@@ -174,7 +174,7 @@ impl Trial<'_> {
             max_step: 0.7,
             ..FitOptions::default()
         };
-        let list = frees(&model, &theta, &free);
+        let list = free_parameters(&model, &theta, &free);
         let mut watch = Watch::default();
         let fit = inverse::fit(&problem, &data, &list, &how, &mut |i| watch.see(i))
             .map_err(|e| GenerateError::Model(format!("{}: {e}", self.truth.name)))?;

@@ -5,7 +5,7 @@ use crate::files::{self, Truth};
 use crate::imitate;
 use crate::outcome::{End, Outcome, ScreenRow, Step};
 use analysis::FeLadder;
-use diagnose::{Discovery, Policy, Rung, Verdict};
+use diagnose::{Discovery, FittedModel, Policy, Verdict};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
@@ -105,7 +105,7 @@ fn search(
     let late = || Instant::now() >= deadline;
     let mut ladder = FeLadder::weighing(
         Arc::new(case),
-        analysis::How {
+        analysis::LadderSettings {
             catalogue: &catalogue,
             policy: policy.clone(),
             progress,
@@ -119,7 +119,7 @@ fn search(
 }
 
 fn answer(truth: Truth, ladder: &FeLadder, d: &Discovery, policy: &Policy) -> Outcome {
-    let step = |r: &Rung| step(ladder, r, policy);
+    let step = |r: &FittedModel| step(ladder, r, policy);
     Outcome {
         end: if d.interrupted || ladder.interrupted() { End::TimeLimit } else { End::Answered },
         verdict: match d.verdict {
@@ -153,8 +153,8 @@ fn answer(truth: Truth, ladder: &FeLadder, d: &Discovery, policy: &Policy) -> Ou
     }
 }
 
-fn step(ladder: &FeLadder, r: &Rung, policy: &Policy) -> Step {
-    let fitted = ladder.rungs.get(&FeLadder::key(&r.effects));
+fn step(ladder: &FeLadder, r: &FittedModel, policy: &Policy) -> Step {
+    let fitted = ladder.fitted_models.get(&FeLadder::key(&r.effects));
     let mean_gc = fitted.map_or(0.0, |f| {
         let gc: Vec<f64> = f
             .model

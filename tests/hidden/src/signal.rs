@@ -2,7 +2,7 @@
 
 use crate::GenerateError;
 use crate::forward::{never, slots};
-use analysis::{FeProblem, frees, run_options};
+use analysis::{FeProblem, free_parameters, run_options};
 use input::Case;
 use inverse::{Data, Noise, NoiseModel, Problem, Whitened, orthonormal};
 use model::{Catalogue, Channel, Discretisation, Model};
@@ -33,7 +33,7 @@ impl Visible {
             (format!("test {}", s.test), vec![0.0; s.rows.len()], NoiseModel::ar1(sd, ar1))
         });
         let data = Data::from_parts(parts).map_err(|e| GenerateError::Model(e.to_string()))?;
-        let list = frees(&model, &theta, &free);
+        let list = free_parameters(&model, &theta, &free);
         let white = Whitened::new(&data, &list, &values, &prediction, Noise::Record);
         let rows = white.rows.len();
         let basis = orthonormal(&white.jacobian.rows(0, rows).into_owned());

@@ -116,7 +116,7 @@ fn the_base_model_of_a_search_is_that_of_identify() {
     let control =
         analysis::Control { progress: &|_| (), cancelled: &|| false, journal: &analysis::NoJournal };
     let alone = analysis::identify(case.clone().into(), &catalogue, &control).expect("an answer");
-    let how = analysis::How {
+    let how = analysis::LadderSettings {
         catalogue: &catalogue,
         policy: diagnose::Policy::default(),
         progress: &|_| (),
@@ -125,11 +125,11 @@ fn the_base_model_of_a_search_is_that_of_identify() {
     };
     let ladder = analysis::FeLadder::weighing(case.into(), how).expect("a base fit");
     let shown = ladder.shown(&[]).expect("there is a base model");
-    for (free, value) in shown.frees.iter().zip(&shown.fit.theta) {
+    for (free, value) in shown.free_parameters.iter().zip(&shown.fit.theta) {
         let i = alone.model.find(&free.path).expect("the same parameters");
         assert!((value / alone.theta[i] - 1.0).abs() < 1e-14, "{}", free.path);
     }
-    assert!(ladder.rungs[&Vec::new()].fit.f <= shown.fit.f);
+    assert!(ladder.fitted_models[&Vec::new()].fit.f <= shown.fit.f);
 }
 
 /// Two rivals that say different things of the clamped edges: a camera there is found to tell them apart.
@@ -142,7 +142,7 @@ fn a_camera_on_the_edges_tells_compliance_from_slack() {
     let catalogue = effects::catalogue();
     let case = input::read_case(&folder.join("config.toml"), &catalogue).expect("a good file");
     let policy = diagnose::Policy::default();
-    let how = analysis::How {
+    let how = analysis::LadderSettings {
         catalogue: &catalogue,
         policy,
         progress: &|_| (),

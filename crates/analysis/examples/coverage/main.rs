@@ -78,7 +78,7 @@ fn repeat(
     let found = identify(&case);
     let estimates = &found.uncertainty.estimates;
     let holds = found
-        .frees
+        .free_parameters
         .iter()
         .zip(estimates)
         .filter(|(_, e)| e.identifiable)
@@ -87,7 +87,7 @@ fn repeat(
         })
         .collect();
     let distances = found
-        .frees
+        .free_parameters
         .iter()
         .zip(estimates)
         .filter(|(_, e)| e.identifiable)
@@ -97,22 +97,26 @@ fn repeat(
         let own = (&found.numerical_error - error).norm() / error.norm();
         println!("own error differs {own:.2}; intervals dominated by it: {:?}", found.mesh_dominated);
         println!("repeat {seed}: chi2 {:.3} stops {:?}", found.quality.reduced_chi2_total, found.stopped);
-        for ((f, e), i) in found.frees.iter().zip(estimates).zip(&found.free) {
+        for ((f, e), i) in found.free_parameters.iter().zip(estimates).zip(&found.free) {
             println!(
                 "   {} {:.5e} {:?} truth {:.5e}",
                 f.path, found.theta[*i], e.interval_95, truth[&f.path]
             );
         }
     }
-    let values: Vec<(String, f64)> =
-        found.frees.iter().zip(&found.free).map(|(f, &i)| (f.path.clone(), found.theta[i])).collect();
+    let values: Vec<(String, f64)> = found
+        .free_parameters
+        .iter()
+        .zip(&found.free)
+        .map(|(f, &i)| (f.path.clone(), found.theta[i]))
+        .collect();
     analysis::start_at(&mut case, values.iter().map(|(p, v)| (p.as_str(), *v)));
     draw_priors(&mut case, truth, &mut random);
     let catalogue = effects::catalogue();
     let quiet = |_: &str| {};
     let mut ladder = FeLadder::weighing(
         Arc::new(case),
-        analysis::How {
+        analysis::LadderSettings {
             catalogue: &catalogue,
             policy: Policy::default(),
             progress: &quiet,
@@ -136,7 +140,7 @@ fn main() {
     let (model, clean) = clean(&study.case(folder.path(), &placeholder, 1.0, [0.0; 2]));
     let known = identify(&study.case(folder.path(), clean.as_slice(), START, [-0.7, -0.4]));
     let at = |f: &inverse::Free| model.find(&f.path).map(|i| (f.path.clone(), model.theta()[i]));
-    let truth: BTreeMap<String, f64> = known.frees.iter().filter_map(at).collect();
+    let truth: BTreeMap<String, f64> = known.free_parameters.iter().filter_map(at).collect();
     for range in study.ranges() {
         let (start, len) = (range.start, range.len());
         let sd = study.noise * clean.rows(start, len).amax();

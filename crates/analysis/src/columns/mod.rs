@@ -63,7 +63,7 @@ pub struct Base<'a> {
     /// Options of its runs.
     pub options: RunOptions,
     /// Blocks of the prediction vector.
-    pub slots: &'a [crate::Slot],
+    pub slots: &'a [crate::DataBlock],
     /// First guesses per test from the fit; none where empty.
     pub warm: &'a [Option<fem::Warm>],
     /// Asked between steps.

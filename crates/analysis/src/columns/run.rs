@@ -59,7 +59,7 @@ impl Base<'_> {
                 &targets,
                 &mut columns,
                 &camera,
-                options.march,
+                options.stepping,
                 warm.as_ref(),
                 &|| self.cancelled.stops(),
             );

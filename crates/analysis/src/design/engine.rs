@@ -6,7 +6,7 @@
 use super::guess::{guessed, with_strength};
 use crate::columns::Base;
 use crate::data::Measured;
-use crate::identify::{AnalysisError, coarser, frees};
+use crate::identify::{AnalysisError, coarser, free_parameters};
 use crate::problem::Cancelled;
 use diagnose::power::{noncentrality, power};
 use diagnose::{Candidate, Foreseen, Policy, foresee};
@@ -56,7 +56,7 @@ pub(super) struct Linear {
     pub prediction: Prediction,
     pub candidates: Vec<Candidate>,
     pub measured: Measured,
-    frees: Vec<Free>,
+    free_parameters: Vec<Free>,
     theta: Vec<f64>,
     all: Vec<f64>,
 }
@@ -107,8 +107,8 @@ pub(super) fn options(case: &Case, steps: Steps) -> RunOptions {
     let mut o = crate::identify::run_options(case);
     (o.tearing_steps, o.uniaxial_steps) = steps;
     o.follow_holds = true;
-    o.march.newton.tolerance = o.march.newton.tolerance.max(crate::identify::SEARCH_TOLERANCE);
-    o.march.budget = crate::identify::TRIAL_BUDGET;
+    o.stepping.newton.tolerance = o.stepping.newton.tolerance.max(crate::identify::SEARCH_TOLERANCE);
+    o.stepping.budget = crate::identify::TRIAL_BUDGET;
     o
 }
 
@@ -134,18 +134,18 @@ pub(super) fn linear(
         cancelled,
     };
     let screened = base.screen()?;
-    let mut list = frees(model, theta, &free);
+    let mut list = free_parameters(model, theta, &free);
     crate::priors::add(&mut list, &model.case, true);
     let (prediction, candidates) = (screened.prediction, screened.candidates);
     let all = theta.to_vec();
     let theta = free.iter().map(|&i| theta[i]).collect();
-    Ok(Linear { prediction, candidates, measured, frees: list, theta, all })
+    Ok(Linear { prediction, candidates, measured, free_parameters: list, theta, all })
 }
 
 impl Linear {
     /// Free base parameters as a fit sees them, with their values.
     pub fn base(&self) -> (&[Free], &[f64]) {
-        (&self.frees, &self.theta)
+        (&self.free_parameters, &self.theta)
     }
 
     /// Values of all parameters.
@@ -155,7 +155,13 @@ impl Linear {
 
     /// Whitened with the misfit to what is measured.
     pub fn misfit(&self) -> Whitened {
-        Whitened::new(&self.measured.data, &self.frees, &self.theta, &self.prediction, Noise::Record)
+        Whitened::new(
+            &self.measured.data,
+            &self.free_parameters,
+            &self.theta,
+            &self.prediction,
+            Noise::Record,
+        )
     }
 
     /// Whitened at the prediction itself: nothing is missed yet. `camera`: camera channels count.
@@ -169,12 +175,12 @@ impl Linear {
                 data.held_out[block.range.clone()].fill(true);
             }
         }
-        Whitened::new(&data, &self.frees, &self.theta, &self.prediction, Noise::Record)
+        Whitened::new(&data, &self.free_parameters, &self.theta, &self.prediction, Noise::Record)
     }
 
     /// Parameters that stand at a bound.
     pub fn at_bound(&self) -> Vec<bool> {
-        self.frees.iter().zip(&self.theta).map(|(f, t)| f.at_bound(*t)).collect()
+        self.free_parameters.iter().zip(&self.theta).map(|(f, t)| f.at_bound(*t)).collect()
     }
 
     /// The same model with another record.
@@ -200,7 +206,7 @@ impl Linear {
         camera: bool,
     ) -> Result<Foresight, AnalysisError> {
         let white = self.white(camera);
-        let none = vec![false; self.frees.len()];
+        let none = vec![false; self.free_parameters.len()];
         let effects = foresee(&white, &none, &self.candidates, self.measured.data.points(), policy)
             .map_err(|e| AnalysisError::Case(e.to_string()))?;
         let hidden = effects
@@ -214,7 +220,7 @@ impl Linear {
     }
 
     fn known(&self, white: &Whitened) -> Vec<Known> {
-        let p = self.frees.len();
+        let p = self.free_parameters.len();
         let hessian = white.jacobian.tr_mul(&white.jacobian) + DMatrix::identity(p, p) * 1e-12;
         let covariance = hessian.try_inverse().unwrap_or_else(|| DMatrix::from_element(p, p, f64::INFINITY));
         let one = |(k, f): (usize, &Free)| {
@@ -228,7 +234,7 @@ impl Linear {
                 known: relative <= KNOWN && learned,
             }
         };
-        self.frees.iter().enumerate().map(one).collect()
+        self.free_parameters.iter().enumerate().map(one).collect()
     }
 
     /// Chance that the wrong one of two effects is told from the right one: the less of either truth, each at its plausible
@@ -282,7 +288,7 @@ pub(crate) fn foresight_of_records(
     let case = crate::condensed(case);
     let (model, how) = model_of(&case, catalogue)?;
     let policy = Policy::default();
-    let measured = Measured::cautious(&model, &model.recorded())?;
+    let measured = Measured::conservative(&model, &model.recorded())?;
     let guess = guessed(&model);
     let mut last = None;
     for share in STRENGTHS {

@@ -103,7 +103,7 @@ impl<'a> Full<'a> {
 
     /// The power at the plausible size, and the sizes of some powers.
     pub fn confirmed(&self, f: &Foreseen) -> Result<Confirmed, AnalysisError> {
-        let mut search = Search { full: self, f, tried: Vec::new(), fitted: Vec::new() };
+        let mut search = PromisedSize { full: self, f, tried: Vec::new(), fitted: Vec::new() };
         let mut not = None;
         let mut share = Some(1.0);
         for _ in 0..TRIALS {
@@ -171,10 +171,10 @@ impl<'a> Full<'a> {
         let how_far = FitOptions { objective: Objective::Record, ..Default::default() };
         let mut best: Option<Fit> = None;
         for start in starts {
-            let mut frees = self.linear.base().0.to_vec();
-            frees.iter_mut().zip(start).for_each(|(f, s)| f.start = *s);
+            let mut free_parameters = self.linear.base().0.to_vec();
+            free_parameters.iter_mut().zip(start).for_each(|(f, s)| f.start = *s);
             let mut watch = |_: &Iterate| ControlFlow::Continue(());
-            let fit = inverse::fit(&problem, &measured.data, &frees, &how_far, &mut watch)?;
+            let fit = inverse::fit(&problem, &measured.data, &free_parameters, &how_far, &mut watch)?;
             if best.as_ref().is_none_or(|b| fit.f < b.f) {
                 best = Some(fit);
             }
@@ -212,7 +212,7 @@ impl<'a> Full<'a> {
 }
 
 /// A search over the size of an effect, as a share of the plausible one.
-struct Search<'a> {
+struct PromisedSize<'a> {
     full: &'a Full<'a>,
     f: &'a Foreseen,
     /// Shares and powers, the smallest share first.
@@ -220,7 +220,7 @@ struct Search<'a> {
     fitted: Vec<(f64, Vec<f64>)>,
 }
 
-impl Search<'_> {
+impl PromisedSize<'_> {
     fn try_at(&mut self, share: f64) -> Result<(), AnalysisError> {
         let size = share * self.f.plausible;
         let truth = self.full.truth(self.f, size)?;

@@ -1,7 +1,7 @@
 //! What a design takes for the tissue and the tear: the file's values, else what its records suggest.
 
 use super::engine::model_of;
-use crate::identify::{AnalysisError, frees};
+use crate::identify::{AnalysisError, free_parameters};
 use input::Case;
 use model::{Catalogue, Model};
 
@@ -42,7 +42,7 @@ pub(super) fn guessed(model: &Model) -> Vec<f64> {
     };
     let given = |i: usize| case.bulk.value(&model.parameters[i].spec.name).value.is_some();
     if let Some(offered) = model.starts().filter(|s| !given(s.size)) {
-        let list = frees(model, &theta, &model.free());
+        let list = free_parameters(model, &theta, &model.free());
         if let Some(tissue) = crate::strip::tissues(model, case, &list, &theta).into_iter().next() {
             offered.axes.iter().for_each(|&(i, _)| set(&mut theta, &model.parameters[i].path, tissue[i]));
         }

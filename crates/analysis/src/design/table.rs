@@ -4,7 +4,7 @@ use super::engine::{Linear, Steps, linear, model_of, options};
 use super::guess::with_strength;
 use super::program::{Program, Pull, record, seconds};
 use super::{DesignRequest, RatedProtocol, Variant};
-use crate::Slot;
+use crate::DataBlock;
 use crate::data::Measured;
 use crate::identify::AnalysisError;
 use crate::ladder::next_test::extension::{self, Extension};
@@ -92,10 +92,10 @@ impl Table<'_> {
 
     /// Forces of planned records, at the guess or near it: values and one list per test.
     fn run(&self, model: &Model) -> Result<(Vec<f64>, Vec<Vec<f64>>), AnalysisError> {
-        let slots: Vec<Slot> = (0..model.tests.len())
+        let slots: Vec<DataBlock> = (0..model.tests.len())
             .filter_map(|t| {
                 let record = model.tests[t].test.record.as_ref()?;
-                Some(Slot { test: t, channel: Channel::Force, rows: (0..record.len()).collect() })
+                Some(DataBlock { test: t, channel: Channel::Force, rows: (0..record.len()).collect() })
             })
             .collect();
         let mut last = None;

@@ -3,7 +3,7 @@
 use super::nearby::Nearby;
 use super::search::StagePlan;
 use super::work::fewer_steps;
-use super::{AnalysisError, Identified, Stage, Work, frees};
+use super::{AnalysisError, Identified, Stage, Work, free_parameters};
 use crate::cost::Phase;
 use crate::data::Measured;
 use crate::problem::FeProblem;
@@ -29,7 +29,7 @@ pub(super) struct Answer<'m> {
     pub(super) noisy: &'m Measured,
     /// Indices of the free parameters.
     pub(super) free: Vec<usize>,
-    pub(super) frees: Vec<Free>,
+    pub(super) free_parameters: Vec<Free>,
     last: Stage,
 }
 
@@ -45,7 +45,7 @@ impl Work<'_> {
     ) -> Result<Identified, AnalysisError> {
         self.control.cancelled.phase(Phase::Intervals);
         let free = fine.free();
-        let mut list_free = frees(&fine, &self.theta, &free);
+        let mut list_free = free_parameters(&fine, &self.theta, &free);
         crate::priors::add(&mut list_free, self.case, self.literature);
         let last = list.last().map_or(Stage::Joint, |l| l.0);
         let answer = Answer {
@@ -54,7 +54,7 @@ impl Work<'_> {
             cheap: cheap.as_ref(),
             noisy: &noisy,
             free,
-            frees: list_free,
+            free_parameters: list_free,
             last,
         };
         let values: Vec<f64> = answer.free.iter().map(|&i| self.theta[i]).collect();
@@ -64,8 +64,10 @@ impl Work<'_> {
         let by_noise = self.intervals(&answer, &noisy, &fit)?;
         let straight = self.intervals(&answer, &measured, &fit)?;
         let dominated = |k: &usize| straight.covariance_z[(*k, *k)] > 2.0 * by_noise.covariance_z[(*k, *k)];
-        let mesh_dominated =
-            (0..answer.free.len()).filter(dominated).map(|k| answer.frees[k].path.clone()).collect();
+        let mesh_dominated = (0..answer.free.len())
+            .filter(dominated)
+            .map(|k| answer.free_parameters[k].path.clone())
+            .collect();
         // Where no step was asked for, the values are no optimum: further runs would say how wrong a linear look is there.
         let mut uncertainty = match self.case.identify.max_iterations {
             0 => straight,
@@ -77,13 +79,13 @@ impl Work<'_> {
             uncertainty = self.allowing_for((&answer, &fit), rest, uncertainty)?;
         }
         self.runs += 1 + usize::from(coarse.is_some());
-        let Answer { free, frees, .. } = answer;
+        let Answer { free, free_parameters, .. } = answer;
         Ok(Identified {
-            quality: quality(&measured.data, &frees, &fit),
+            quality: quality(&measured.data, &free_parameters, &fit),
             measured,
             theta: self.theta,
             free,
-            frees,
+            free_parameters,
             fit: Fit { forward_runs: self.runs, ..fit },
             uncertainty,
             mesh_dominated,
@@ -131,7 +133,7 @@ impl Work<'_> {
     pub(super) fn fit_of(&self, answer: &Answer, theta: Vec<f64>, prediction: Prediction) -> Fit {
         let objective = if answer.last == Stage::Joint { Objective::Record } else { Objective::PaperSum };
         Fit {
-            at_bound: answer.frees.iter().zip(&theta).map(|(f, &v)| f.at_bound(v)).collect(),
+            at_bound: answer.free_parameters.iter().zip(&theta).map(|(f, &v)| f.at_bound(v)).collect(),
             theta,
             f: f64::NAN,
             prediction,
@@ -154,7 +156,7 @@ impl Work<'_> {
             (Some(_), Stage::Interface) => {
                 self.staged_intervals(answer.fine, measured, fit, &answer.free, &rule)
             }
-            _ => Ok(uncertainty(&measured.data, &answer.frees, fit, &rule)?),
+            _ => Ok(uncertainty(&measured.data, &answer.free_parameters, fit, &rule)?),
         }
     }
 

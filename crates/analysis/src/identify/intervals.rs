@@ -24,14 +24,14 @@ impl Work<'_> {
         let rest: Vec<usize> = (0..free.len()).filter(|&k| model.site_of(free[k]) != Site::Bulk).collect();
         let first = part(model, measured, fit, free, &bulk, false);
         let second = part(model, measured, fit, free, &rest, true);
-        let first_u = uncertainty(&first.data, &first.frees, &first.fit, rule)?;
+        let first_u = uncertainty(&first.data, &first.free_parameters, &first.fit, rule)?;
         // What the uniaxial test leaves open is not boundless: the literature's spread closes it
         // before it is handed on to the interface.
-        let mut bounded = first.frees.clone();
+        let mut bounded = first.free_parameters.clone();
         crate::priors::add(&mut bounded, self.case, true);
         let handed = uncertainty(&first.data, &bounded, &first.fit, rule)?;
         let held = Held { jacobian: second.jacobian_of(fit, &bulk), covariance: handed.covariance() };
-        let second_u = staged_uncertainty(&second.data, &second.frees, &second.fit, &held, rule)?;
+        let second_u = staged_uncertainty(&second.data, &second.free_parameters, &second.fit, &held, rule)?;
         Ok(first_u.join(second_u, &bulk, &rest))
     }
 }
@@ -39,7 +39,7 @@ impl Work<'_> {
 /// A stage cut out of the whole fit.
 struct Part {
     data: Data,
-    frees: Vec<Free>,
+    free_parameters: Vec<Free>,
     fit: Fit,
     rows: Vec<usize>,
 }
@@ -73,7 +73,7 @@ fn part(
         }
     }
     let theta: Vec<f64> = columns.iter().map(|&c| whole.theta[c]).collect();
-    let frees = columns
+    let free_parameters = columns
         .iter()
         .zip(&theta)
         .map(|(&c, &start)| Free { start, ..Free::of(&model.parameters[free[c]]) })
@@ -85,7 +85,7 @@ fn part(
             held_out: rows.iter().map(|&r| !measured.data.is_used(r)).collect(),
             ..Data::default()
         },
-        frees,
+        free_parameters,
         fit: Fit {
             theta,
             prediction: inverse::Prediction::new(values, None),

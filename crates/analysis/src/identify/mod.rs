@@ -9,7 +9,7 @@ mod search;
 mod work;
 
 pub(crate) use search::{StagePlan, stages};
-pub use work::frees;
+pub use work::free_parameters;
 pub(crate) use work::{SEARCH_TOLERANCE, TRIAL_BUDGET, Work, fewer_steps};
 
 use crate::data::{Measured, RecordError};
@@ -21,7 +21,7 @@ use inverse::{Fit, FitError, Free, Iterate, Noise, PredictError, Quality, Uncert
 use model::cost::Purpose;
 use model::{BuildError, Catalogue, Discretisation, Model, RunOptions};
 use nalgebra::DVector;
-use search::{Search, staged};
+use search::{StagedSearch, staged};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -116,7 +116,7 @@ pub struct Identified {
     /// Indices of the free parameters.
     pub free: Vec<usize>,
     /// Free parameters as the optimiser saw them.
-    pub frees: Vec<Free>,
+    pub free_parameters: Vec<Free>,
     /// Fit over all data at the end (values and jacobian by every free parameter).
     pub fit: Fit,
     /// χ² and its kin.
@@ -148,7 +148,7 @@ impl Identified {
     pub fn held_out(&self) -> Option<HeldOut> {
         let white = Whitened::new(
             &self.measured.data,
-            &self.frees,
+            &self.free_parameters,
             &self.fit.theta,
             &self.fit.prediction,
             Noise::Total,
@@ -160,9 +160,9 @@ impl Identified {
 /// Run options that a case asks for.
 pub fn run_options(case: &Case) -> RunOptions {
     let mut o = RunOptions::default();
-    o.march.newton.tolerance = case.solver.tolerance;
+    o.stepping.newton.tolerance = case.solver.tolerance;
     // A step that has not converged by then is cut: cheaper than waiting.
-    o.march.newton.max_iterations = case.solver.max_iterations.min(12);
+    o.stepping.newton.max_iterations = case.solver.max_iterations.min(12);
     o
 }
 
@@ -241,7 +241,7 @@ impl Models {
             return Err(AnalysisError::Case("no parameter is free".into()));
         }
         let (coarse, cheap) = (self.coarse.as_ref(), self.cheap.as_ref());
-        let search = Search { case, catalogue, fine: &self.fine, coarse: cheap.or(coarse), cheap };
+        let search = StagedSearch { case, catalogue, fine: &self.fine, coarse: cheap.or(coarse), cheap };
         search.run(&mut work, &list)?;
         if case.identify.release_bulk && staged(&list) && work.tear_left.unexplained() {
             list.extend(search.release(&mut work));

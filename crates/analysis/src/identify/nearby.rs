@@ -32,8 +32,8 @@ impl<'m> Nearby<'m> {
         (fit, error): (&Fit, &DVector<f64>),
     ) -> Result<Self, PredictError> {
         let mut options = work.search;
-        options.march.budget = TRIAL_BUDGET;
-        options.march.newton.tolerance = options.march.newton.tolerance.max(SEARCH_TOLERANCE);
+        options.stepping.budget = TRIAL_BUDGET;
+        options.stepping.newton.tolerance = options.stepping.newton.tolerance.max(SEARCH_TOLERANCE);
         let (Some(cheap), Some(coarse)) = (answer.cheap, answer.coarse) else {
             return Ok(Self { options, mapped: None });
         };
@@ -50,7 +50,7 @@ impl<'m> Nearby<'m> {
         };
         let difference = &coarser.values - &own.values;
         let share = error.dot(&difference) / difference.norm_squared().max(f64::MIN_POSITIVE);
-        let correction = Correction::first_order(&answer.frees, &fit.theta, &fit.prediction, &own);
+        let correction = Correction::first_order(&answer.free_parameters, &fit.theta, &fit.prediction, &own);
         let remains = error - share * difference;
         Ok(Self { options, mapped: Some(Mapped { cheap, coarse, correction, share, remains }) })
     }

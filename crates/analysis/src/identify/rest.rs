@@ -23,7 +23,8 @@ impl Work<'_> {
         measured: &Measured,
         catalogue: &Catalogue,
     ) -> Result<Unexplained, EvidenceError> {
-        let at = AtFit { model: answer.fine, theta: &self.theta, frees: &answer.frees, fit };
+        let at =
+            AtFit { model: answer.fine, theta: &self.theta, free_parameters: &answer.free_parameters, fit };
         let beliefs = Beliefs::of(&self.case.diagnose, catalogue);
         let scale = Scale::new(measured, std::iter::once(at), catalogue, &beliefs)?;
         let linear = scale.linear(at)?;

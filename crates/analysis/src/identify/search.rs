@@ -45,7 +45,7 @@ pub(super) fn staged(list: &[StagePlan]) -> bool {
 }
 
 /// What a search works on.
-pub(super) struct Search<'s> {
+pub(super) struct StagedSearch<'s> {
     pub case: &'s Arc<Case>,
     pub catalogue: &'s Catalogue,
     pub fine: &'s Model,
@@ -54,7 +54,7 @@ pub(super) struct Search<'s> {
     pub cheap: Option<&'s Model>,
 }
 
-impl Search<'_> {
+impl StagedSearch<'_> {
     /// A start, the stages on a coarse mesh, the stages on the given one.
     pub fn run(&self, work: &mut Work, list: &[StagePlan]) -> Result<(), AnalysisError> {
         // What is said of the end of a search is said of its last stages.

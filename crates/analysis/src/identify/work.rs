@@ -65,7 +65,7 @@ pub(crate) struct Work<'a> {
 }
 
 /// Free parameters as the optimiser sees them, at θ.
-pub fn frees(model: &Model, theta: &[f64], free: &[usize]) -> Vec<Free> {
+pub fn free_parameters(model: &Model, theta: &[f64], free: &[usize]) -> Vec<Free> {
     free.iter().map(|&i| Free { start: theta[i], ..Free::of(&model.parameters[i]) }).collect()
 }
 
@@ -138,15 +138,15 @@ impl<'a> Work<'a> {
         model: &'p Model,
         theta: &[f64],
         free: &[usize],
-        slots: &'p [crate::data::Slot],
+        slots: &'p [crate::data::DataBlock],
     ) -> FeProblem<'p>
     where
         'a: 'p,
     {
         let cancelled = self.control.cancelled;
         let mut problem = FeProblem::new(model, theta.to_vec(), free.to_vec(), slots, self.search, cancelled);
-        problem.options.march.budget = TRIAL_BUDGET;
-        let newton = &mut problem.options.march.newton;
+        problem.options.stepping.budget = TRIAL_BUDGET;
+        let newton = &mut problem.options.stepping.newton;
         newton.tolerance = newton.tolerance.max(SEARCH_TOLERANCE);
         problem
     }
@@ -179,7 +179,7 @@ impl<'a> Work<'a> {
         if starting {
             measured = measured.with_noise_of_at_least(self.coarse_noise);
         }
-        let mut list = frees(model, &self.theta, free);
+        let mut list = free_parameters(model, &self.theta, free);
         crate::priors::add(&mut list, self.case, self.literature || starting);
         let paths: Vec<String> = list.iter().map(|f| f.path.clone()).collect();
         let whitened = stage == Stage::Joint || starting;

@@ -18,7 +18,7 @@ impl FeLadder<'_> {
     /// Of every effect with derivatives: its columns times the estimated amplitudes, less what the base parameters can
     /// imitate (they would be fitted again), so that it compares with the misfit.
     pub fn adds(&self, screen: &Screen) -> Adds {
-        let Some(base) = self.rungs.get(&Vec::new()) else { return Adds::default() };
+        let Some(base) = self.fitted_models.get(&Vec::new()) else { return Adds::default() };
         let weights = self.weights();
         // What stands at a bound does not move, in the screen as here.
         let open: Vec<usize> = (0..base.fit.at_bound.len()).filter(|&k| !base.fit.at_bound[k]).collect();

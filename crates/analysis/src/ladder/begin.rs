@@ -30,7 +30,7 @@ impl FeLadder<'_> {
     /// Fits a rung from the screen's estimate. At its neutral value an effect leaves the base as good
     /// as it was: a fit that ends worse, or cannot begin, starts once more from a smaller amplitude; one that cannot
     /// begin there either, from values off their bounds.
-    pub(super) fn fit_near_neutral_if_need_be(
+    pub(super) fn fit_with_restarts(
         &self,
         key: &[String],
         effects: &[String],
@@ -87,7 +87,7 @@ impl FeLadder<'_> {
             let (model, theta) = self.begun(effects, hints, base, share)?;
             let slots = &self.measured.slots;
             let mut problem = FeProblem::new(&model, theta, Vec::new(), slots, self.options, self.cancelled);
-            problem.options.march.budget = crate::identify::TRIAL_BUDGET;
+            problem.options.stepping.budget = crate::identify::TRIAL_BUDGET;
             problem.correction = base.correction.clone();
             problem.start_from(self.guesses(base, &model));
             self.runs.fetch_add(1, Ordering::Relaxed);
@@ -112,9 +112,9 @@ impl FeLadder<'_> {
 
     /// Once more from the values that a search from the record alone begins with, and the effect's own: the lack of it may
     /// have bent the base beyond recognition. The better of the two fits.
-    pub(super) fn again_from_the_beginning(&self, effects: &[String], first: Fitted) -> Fitted {
+    pub(super) fn restart_from_the_record(&self, effects: &[String], first: Fitted) -> Fitted {
         let key = Self::key(effects);
-        let (Some(base), Some(bare)) = (self.nearest(&key), self.rungs.get(&Vec::new())) else {
+        let (Some(base), Some(bare)) = (self.nearest(&key), self.fitted_models.get(&Vec::new())) else {
             return first;
         };
         let Ok((model, _)) = self.begun(effects, &diagnose::Hints::new(), base, 1.0) else {

@@ -3,7 +3,7 @@
 use super::{FeLadder, Fitted};
 use crate::identify::AnalysisError;
 use crate::probable::Probable;
-use diagnose::{Discovery, Hints, Policy, Rung, Verdict};
+use diagnose::{Discovery, FittedModel, Hints, Policy, Verdict};
 use evidence::{Decision, Posterior, decide};
 
 /// What a search by probabilities found.
@@ -40,8 +40,8 @@ impl FeLadder<'_> {
     ///
     /// # Errors
     /// [`AnalysisError`].
-    pub(crate) fn likely(&mut self, most: usize, policy: &Policy) -> Result<Vec<Rung>, AnalysisError> {
-        let base: Vec<Rung> = self.base_rung().into_iter().collect();
+    pub(crate) fn likely(&mut self, most: usize, policy: &Policy) -> Result<Vec<FittedModel>, AnalysisError> {
+        let base: Vec<FittedModel> = self.base_model_fit().into_iter().collect();
         if most == 0 || base.iter().all(|r| r.explained(policy)) {
             return Ok(base);
         }
@@ -51,7 +51,7 @@ impl FeLadder<'_> {
         let sets: Vec<Vec<String>> = effects.into_iter().take(most).map(|(e, _)| vec![e.clone()]).collect();
         self.fit_sets(&sets)?;
         self.settle_sets(&sets)?;
-        let fitted = sets.iter().filter_map(|s| self.rungs.get(s).map(|f| self.rung(s, f)));
+        let fitted = sets.iter().filter_map(|s| self.fitted_models.get(s).map(|f| self.fitted_model(s, f)));
         Ok(base.into_iter().chain(fitted).collect())
     }
 
@@ -61,23 +61,25 @@ impl FeLadder<'_> {
             (1..=decision.found.len()).map(|n| decision.found[..n].to_vec()).collect();
         let keys: Vec<Vec<String>> = steps.iter().map(|s| Self::key(s)).collect();
         for key in &keys {
-            if !self.rungs.contains_key(key) && !self.interrupted() {
+            if !self.fitted_models.contains_key(key) && !self.interrupted() {
                 self.fit_sets(std::slice::from_ref(key))?;
             }
         }
         let open: Vec<Vec<String>> =
-            keys.into_iter().filter(|k| self.rungs.get(k).is_some_and(|f| !f.settled)).collect();
+            keys.into_iter().filter(|k| self.fitted_models.get(k).is_some_and(|f| !f.settled)).collect();
         if !self.interrupted() {
             self.settle_sets(&open)?;
         }
-        Ok(steps.into_iter().filter(|s| self.rungs.contains_key(&Self::key(s))).collect())
+        Ok(steps.into_iter().filter(|s| self.fitted_models.contains_key(&Self::key(s))).collect())
     }
 
     fn answered(&self, decision: Decision, steps: Vec<Vec<String>>, probable: Probable) -> Weighed {
-        let base = self.base_rung();
-        let kept = |effects: &Vec<String>| self.rungs.get(&Self::key(effects)).map(|f| self.rung(effects, f));
-        let ladder: Vec<Rung> = base.into_iter().chain(steps.iter().filter_map(kept)).collect();
-        let tried = self.rungs.iter().map(|(key, f)| self.rung(key, f)).collect();
+        let base = self.base_model_fit();
+        let kept = |effects: &Vec<String>| {
+            self.fitted_models.get(&Self::key(effects)).map(|f| self.fitted_model(effects, f))
+        };
+        let ladder: Vec<FittedModel> = base.into_iter().chain(steps.iter().filter_map(kept)).collect();
+        let tried = self.fitted_models.iter().map(|(key, f)| self.fitted_model(key, f)).collect();
         let screen_at = |key: &[String]| self.screens.get(key).cloned().unwrap_or_default();
         let top = steps.last().map(|s| Self::key(s)).unwrap_or_default();
         let discovery = Discovery {
@@ -100,15 +102,15 @@ impl FeLadder<'_> {
     }
 
     /// The base model as `fct identify` of the same file answers.
-    fn base_rung(&self) -> Option<Rung> {
-        self.shown(&[]).map(|f| self.rung(&[], f))
+    fn base_model_fit(&self) -> Option<FittedModel> {
+        self.shown(&[]).map(|f| self.fitted_model(&[], f))
     }
 
     /// The fit that is shown of a set: of the base model, what `fct identify` finds, whose stages need not end where all
     /// parameters would move to together.
     pub fn shown(&self, key: &[String]) -> Option<&Fitted> {
         let identified = self.identified.as_ref().filter(|_| key.is_empty());
-        identified.or_else(|| self.rungs.get(key))
+        identified.or_else(|| self.fitted_models.get(key))
     }
 
     /// What the screen at the nearest model proposes for a set.

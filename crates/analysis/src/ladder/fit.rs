@@ -3,7 +3,7 @@
 use super::{FeLadder, Fitted};
 use crate::correction::Correction;
 use crate::cost::Phase;
-use crate::identify::{AnalysisError, frees};
+use crate::identify::{AnalysisError, free_parameters};
 use crate::journal::{Asked, remembered};
 use crate::problem::FeProblem;
 use crate::{priors, start};
@@ -62,8 +62,8 @@ impl FeLadder<'_> {
     }
 
     /// Free parameters as a fit sees them.
-    pub(super) fn frees(&self, model: &Model, theta: &[f64], free: &[usize]) -> Vec<inverse::Free> {
-        let mut list = frees(model, theta, free);
+    pub(super) fn free_parameters(&self, model: &Model, theta: &[f64], free: &[usize]) -> Vec<inverse::Free> {
+        let mut list = free_parameters(model, theta, free);
         priors::add(&mut list, &self.case, self.case.identify.priors.literature.unwrap_or(false));
         list
     }
@@ -77,7 +77,7 @@ impl FeLadder<'_> {
         states: Vec<Option<fem::Warm>>,
     ) -> Result<Fitted, AnalysisError> {
         let free = model.free();
-        let list = self.frees(&model, &theta, &free);
+        let list = self.free_parameters(&model, &theta, &free);
         let (fit, warm) = {
             let mut problem = FeProblem::new(
                 &model,
@@ -87,7 +87,7 @@ impl FeLadder<'_> {
                 self.options,
                 self.cancelled,
             );
-            problem.options.march.budget = crate::identify::TRIAL_BUDGET;
+            problem.options.stepping.budget = crate::identify::TRIAL_BUDGET;
             problem.correction = correction.clone();
             problem.start_from(states);
             let options = FitOptions {
@@ -103,7 +103,7 @@ impl FeLadder<'_> {
             };
             let progress = self.progress;
             let names = super::named(&model.effects());
-            let far = LITTLE * self.rungs.get(&Vec::new()).map_or(f64::INFINITY, |f| f.fit.f);
+            let far = LITTLE * self.fitted_models.get(&Vec::new()).map_or(f64::INFINITY, |f| f.fit.f);
             let mut last = f64::INFINITY;
             let mut watch = |i: &Iterate| {
                 if let Some(f) = i.f {
@@ -139,6 +139,16 @@ impl FeLadder<'_> {
             all[i] = v;
         }
         let quality = quality(&self.measured.data, &list, &fit);
-        Ok(Fitted { model, theta: all, free, frees: list, fit, quality, correction, settled: false, warm })
+        Ok(Fitted {
+            model,
+            theta: all,
+            free,
+            free_parameters: list,
+            fit,
+            quality,
+            correction,
+            settled: false,
+            warm,
+        })
     }
 }

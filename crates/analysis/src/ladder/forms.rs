@@ -29,7 +29,7 @@ impl FeLadder<'_> {
 
     /// The first other form of one effect that pays, if the record is not explained yet.
     fn better_form(&self, f: &Fitted, at: usize) -> Result<Option<Fitted>, AnalysisError> {
-        if self.rung(&f.model.effects(), f).explained(&self.policy) {
+        if self.fitted_model(&f.model.effects(), f).explained(&self.policy) {
             return Ok(None);
         }
         let config = &f.model.case.effects[at];

@@ -7,9 +7,9 @@ mod adds;
 mod begin;
 mod decided;
 mod fit;
+mod fitted_model;
 mod forms;
 pub(crate) mod next_test;
-mod rung;
 mod settle;
 mod weighing;
 
@@ -25,7 +25,7 @@ use crate::data::Measured;
 use crate::identify::{AnalysisError, coarser, fewer_steps, run_options};
 use crate::journal::Journal;
 use crate::problem::Cancelled;
-use diagnose::{Candidate, Policy, Rung, Screen};
+use diagnose::{Candidate, FittedModel, Policy, Screen};
 use input::Case;
 use inverse::{Data, Fit, Free, Noise, Quality, Whitened};
 use model::cost::Purpose;
@@ -43,7 +43,7 @@ pub struct Fitted {
     /// Free parameters.
     pub free: Vec<usize>,
     /// As the optimiser saw them.
-    pub frees: Vec<Free>,
+    pub free_parameters: Vec<Free>,
     /// Fit with jacobian.
     pub fit: Fit,
     /// χ² and kin.
@@ -67,7 +67,7 @@ pub struct FeLadder<'a> {
     /// Data with noise and numerical error.
     pub measured: Measured,
     /// Every rung that was fitted, by its sorted effects.
-    pub rungs: BTreeMap<Vec<String>, Fitted>,
+    pub fitted_models: BTreeMap<Vec<String>, Fitted>,
     /// Candidates of the latest screen, with raw columns.
     pub candidates: Vec<Candidate>,
     /// Candidates of every screen, by the rung's sorted effects.
@@ -89,14 +89,14 @@ pub struct FeLadder<'a> {
 }
 
 impl<'a> FeLadder<'a> {
-    fn unfitted(case: Arc<Case>, how: How<'a>) -> Result<Self, AnalysisError> {
-        let How { catalogue, policy, progress, cancelled, journal } = how;
+    fn unfitted(case: Arc<Case>, how: LadderSettings<'a>) -> Result<Self, AnalysisError> {
+        let LadderSettings { catalogue, policy, progress, cancelled, journal } = how;
         let case = crate::condensed(&case);
         // The search works on a coarser mesh than the file's.
         let (coarse, mesh) = coarser(&case);
         let fine = Model::checked(case.clone(), catalogue, Discretisation::default(), Purpose::Fit)?;
         let wanted = fine.recorded();
-        let measured = Measured::cautious(&fine, &wanted)?;
+        let measured = Measured::conservative(&fine, &wanted)?;
         Ok(Self {
             case: Arc::new(coarse),
             fine_case: case.clone(),
@@ -105,7 +105,7 @@ impl<'a> FeLadder<'a> {
             options: fewer_steps(run_options(&case)),
             cancelled,
             measured,
-            rungs: BTreeMap::new(),
+            fitted_models: BTreeMap::new(),
             candidates: Vec::new(),
             screened: BTreeMap::new(),
             failed: BTreeMap::new(),
@@ -123,7 +123,7 @@ impl<'a> FeLadder<'a> {
 
 /// How a search is made.
 #[derive(Clone)]
-pub struct How<'a> {
+pub struct LadderSettings<'a> {
     /// The effects it draws on.
     pub catalogue: &'a Catalogue,
     /// What it judges by.
@@ -146,9 +146,9 @@ impl FeLadder<'_> {
     ///
     /// # Errors
     /// [`AnalysisError`].
-    pub fn screen(&mut self, rung: &Rung) -> Result<Screen, AnalysisError> {
-        let key = Self::key(&rung.effects);
-        let Some(f) = self.rungs.get(&key) else {
+    pub fn screen(&mut self, fitted_model: &FittedModel) -> Result<Screen, AnalysisError> {
+        let key = Self::key(&fitted_model.effects);
+        let Some(f) = self.fitted_models.get(&key) else {
             return Err(AnalysisError::Case("screen before fit".into()));
         };
         let base = Base {
@@ -163,7 +163,7 @@ impl FeLadder<'_> {
             cancelled: self.cancelled,
         };
         self.cancelled.phase(Phase::Screen);
-        (self.progress)(&format!("{}: screen of the catalogue", named(&rung.effects)));
+        (self.progress)(&format!("{}: screen of the catalogue", named(&fitted_model.effects)));
         let screened = base.screen()?;
         self.runs.fetch_add(1 + screened.secant_runs, Ordering::Relaxed);
         let mut prediction = screened.prediction;
@@ -172,7 +172,7 @@ impl FeLadder<'_> {
         self.candidates = screened.candidates;
         self.screened.insert(key.clone(), self.candidates.clone());
         let judged = |data: &Data| {
-            let white = Whitened::new(data, &f.frees, &f.fit.theta, &prediction, Noise::Total);
+            let white = Whitened::new(data, &f.free_parameters, &f.fit.theta, &prediction, Noise::Total);
             diagnose::screen(&white, &f.fit.at_bound, &self.candidates, data.points(), &self.policy)
                 .map_err(|e| AnalysisError::Case(e.to_string()))
         };
@@ -209,7 +209,7 @@ impl<'a> FeLadder<'a> {
     }
 
     fn nearest_of(&self, key: &[String]) -> Option<(&Vec<String>, &Fitted)> {
-        self.rungs
+        self.fitted_models
             .iter()
             .filter(|(k, _)| k.iter().all(|e| key.contains(e)))
             .max_by(|a, b| a.0.len().cmp(&b.0.len()).then(b.1.fit.f.total_cmp(&a.1.fit.f)))

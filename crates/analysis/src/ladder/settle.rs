@@ -29,7 +29,7 @@ pub(super) struct Begun {
     pub model: Model,
     pub theta: Vec<f64>,
     pub free: Vec<usize>,
-    pub frees: Vec<inverse::Free>,
+    pub free_parameters: Vec<inverse::Free>,
     pub warm: Vec<Option<fem::Warm>>,
 }
 
@@ -41,7 +41,7 @@ impl FeLadder<'_> {
             model: Model::new(f.model.case.clone(), self.catalogue, self.how)?,
             theta: f.theta.clone(),
             free: f.free.clone(),
-            frees: f.frees.iter().zip(&f.fit.theta).map(start).collect(),
+            free_parameters: f.free_parameters.iter().zip(&f.fit.theta).map(start).collect(),
             warm: f.warm.clone(),
         })
     }
@@ -49,7 +49,7 @@ impl FeLadder<'_> {
     /// Fits sets on the file's mesh, side by side. Where that mesh gives no answer a fit stays as it is.
     pub(super) fn settle_sets(&mut self, sets: &[Vec<String>]) -> Result<(), AnalysisError> {
         let this = &*self;
-        let one = |set: &Vec<String>| match this.rungs.get(set) {
+        let one = |set: &Vec<String>| match this.fitted_models.get(set) {
             Some(f) => {
                 let better = this.best_form(f)?;
                 let begun = this.begun_of(better.as_ref().unwrap_or(f))?;
@@ -60,10 +60,10 @@ impl FeLadder<'_> {
         let done: Vec<Result<Option<(Fitted, FineStates)>, AnalysisError>> =
             sets.par_iter().map(one).collect();
         for (set, settled) in sets.iter().zip(done) {
-            match (settled?, self.rungs.get_mut(set)) {
+            match (settled?, self.fitted_models.get_mut(set)) {
                 (Some((f, _)), _) => {
                     (self.progress)(&format!("{}: on the file's mesh χ² {:.1}", named(set), f.fit.f));
-                    self.rungs.insert(set.clone(), f);
+                    self.fitted_models.insert(set.clone(), f);
                 }
                 (None, Some(f)) => f.settled = true,
                 (None, None) => {}
@@ -85,8 +85,8 @@ impl FeLadder<'_> {
         let theta = transfer(&begun.model, &begun.theta, &fine);
         let slots = &self.measured.slots;
         let mut options = fewer_steps(run_options(&self.fine_case));
-        options.march.budget = 2 * crate::identify::TRIAL_BUDGET;
-        options.march.newton.tolerance = self.options.march.newton.tolerance;
+        options.stepping.budget = 2 * crate::identify::TRIAL_BUDGET;
+        options.stepping.newton.tolerance = self.options.stepping.newton.tolerance;
         let free = fine.free();
         let problem = FeProblem::new(&fine, theta, free, slots, options, self.cancelled);
         if let Some(s) = states {
@@ -96,7 +96,7 @@ impl FeLadder<'_> {
             };
             problem.start_from(s.warm.iter().enumerate().map(one).collect());
         }
-        let Begun { model, theta, free, frees, warm } = begun;
+        let Begun { model, theta, free, free_parameters, warm } = begun;
         let cheap = FeProblem::new(&model, theta, free.clone(), slots, self.options, self.cancelled);
         cheap.start_from(warm.clone());
         let outer =
@@ -115,13 +115,13 @@ impl FeLadder<'_> {
             problem: &problem,
             beside: Some(&cheap),
             data,
-            free: &frees,
+            free: &free_parameters,
             options: &how.outer,
             how: &format!("{how:?}"),
             cancelled: self.cancelled,
         };
         let done = remembered(self.journal, &asked, &mut told, &mut |told| {
-            Ok((inverse::fit_mapped(&problem, &cheap, data, &frees, &how, told, &mut quiet)?, None))
+            Ok((inverse::fit_mapped(&problem, &cheap, data, &free_parameters, &how, told, &mut quiet)?, None))
         });
         let done = match done {
             Ok(done) => done,
@@ -139,12 +139,21 @@ impl FeLadder<'_> {
             Err(PredictError::NotComputable(_)) => return Ok(None),
             Err(e) => return Err(e.into()),
         };
-        let correction = Correction::first_order(&frees, &end.theta, &end.prediction, &own);
-        let quality = quality(data, &frees, &end);
+        let correction = Correction::first_order(&free_parameters, &end.theta, &end.prediction, &own);
+        let quality = quality(data, &free_parameters, &end);
         let (theta, warm, fine_warm) = (cheap.full(&end.theta), cheap.warm(), done.warm);
         drop((problem, cheap));
-        let settled =
-            Fitted { theta, frees, fit: end, quality, correction, settled: true, warm, free, model };
+        let settled = Fitted {
+            theta,
+            free_parameters,
+            fit: end,
+            quality,
+            correction,
+            settled: true,
+            warm,
+            free,
+            model,
+        };
         Ok(Some((settled, FineStates { model: fine, warm: fine_warm })))
     }
 }

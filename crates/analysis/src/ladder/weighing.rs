@@ -7,7 +7,7 @@
 use super::decided::Probabilities;
 use super::fit::FAR;
 use super::settle::{Begun, ROUNDS};
-use super::{FeLadder, Fitted, How, named};
+use super::{FeLadder, Fitted, LadderSettings, named};
 use crate::columns::transfer;
 use crate::cost::Phase;
 use crate::identify::{AnalysisError, Searched, searched};
@@ -38,12 +38,12 @@ impl<'a> FeLadder<'a> {
     ///
     /// # Errors
     /// [`AnalysisError`].
-    pub fn weighing(case: Arc<Case>, how: How<'a>) -> Result<Self, AnalysisError> {
+    pub fn weighing(case: Arc<Case>, how: LadderSettings<'a>) -> Result<Self, AnalysisError> {
         let mut ladder = Self::unfitted(case, how)?;
         if ladder.fine_case.mesh.divisions.is_none() {
             ladder.how.coarsen = COARSER;
         }
-        let newton = &mut ladder.options.march.newton;
+        let newton = &mut ladder.options.stepping.newton;
         newton.tolerance = newton.tolerance.max(crate::identify::SEARCH_TOLERANCE);
         let model = Model::new(ladder.case.clone(), ladder.catalogue, ladder.how)?;
         ladder.measured = ladder.measured.as_estimated(&model)?;
@@ -69,7 +69,7 @@ impl<'a> FeLadder<'a> {
         let error = LEFT_OF_MESH * &base.correction.shift;
         ladder.measured = ladder.measured.clone().with_numerical_error(&error);
         ladder.fine_states = Some(states);
-        ladder.rungs.insert(Vec::new(), base);
+        ladder.fitted_models.insert(Vec::new(), base);
         Ok(ladder)
     }
 
@@ -96,8 +96,8 @@ impl<'a> FeLadder<'a> {
         let fine = Model::new(self.fine_case.clone(), self.catalogue, Discretisation::default())?;
         let theta = transfer(&fine, theta, &model);
         let free = model.free();
-        let frees = self.frees(&model, &theta, &free);
-        Ok(Begun { model, theta, free, frees, warm: Vec::new() })
+        let free_parameters = self.free_parameters(&model, &theta, &free);
+        Ok(Begun { model, theta, free, free_parameters, warm: Vec::new() })
     }
 
     /// Fits every effect, and every set that matters: what leads is taken to the file's mesh before anything is added to it,
@@ -121,9 +121,9 @@ impl<'a> FeLadder<'a> {
                 continue;
             }
             let leading: Vec<Vec<String>> =
-                leading(&posterior).into_iter().filter(|s| self.rungs.contains_key(s)).collect();
+                leading(&posterior).into_iter().filter(|s| self.fitted_models.contains_key(s)).collect();
             let unsettled: Vec<Vec<String>> =
-                leading.iter().filter(|s| !self.rungs[*s].settled).cloned().collect();
+                leading.iter().filter(|s| !self.fitted_models[*s].settled).cloned().collect();
             if !unsettled.is_empty() {
                 self.settle_sets(&unsettled)?;
                 continue;
@@ -138,7 +138,9 @@ impl<'a> FeLadder<'a> {
                 continue;
             }
             let open: Vec<Vec<String>> = (evidence::to_fit(&posterior, &models).into_iter())
-                .filter(|s| s.len() <= LARGEST && !self.rungs.contains_key(s) && !self.failed.contains_key(s))
+                .filter(|s| {
+                    s.len() <= LARGEST && !self.fitted_models.contains_key(s) && !self.failed.contains_key(s)
+                })
                 .take(AT_ONCE)
                 .collect();
             if open.is_empty() {
@@ -150,19 +152,20 @@ impl<'a> FeLadder<'a> {
 
     /// Where no effect explains what the base leaves by far, all are fitted once more from the record's own start.
     fn begin_again(&mut self, sets: &[Vec<String>]) -> Result<(), AnalysisError> {
-        let best = self.rungs.values().map(|f| f.quality.reduced_chi2_total).fold(f64::INFINITY, f64::min);
+        let best =
+            self.fitted_models.values().map(|f| f.quality.reduced_chi2_total).fold(f64::INFINITY, f64::min);
         if best <= FAR || self.interrupted() {
             return Ok(());
         }
         self.first = self.unbent()?;
         self.cancelled.phase(Phase::Candidates);
         let begun: Vec<(Vec<String>, Fitted)> =
-            sets.iter().filter_map(|s| self.rungs.remove_entry(s)).collect();
+            sets.iter().filter_map(|s| self.fitted_models.remove_entry(s)).collect();
         let this = &*self;
         let again: Vec<(Vec<String>, Fitted)> = (begun.into_par_iter())
-            .map(|(set, f)| (set.clone(), this.again_from_the_beginning(&set, f)))
+            .map(|(set, f)| (set.clone(), this.restart_from_the_record(&set, f)))
             .collect();
-        self.rungs.extend(again);
+        self.fitted_models.extend(again);
         Ok(())
     }
 
@@ -196,9 +199,9 @@ impl<'a> FeLadder<'a> {
 
     /// The catalogue's columns at a fitted set.
     fn columns_at(&mut self, set: &[String]) -> Result<(), AnalysisError> {
-        let Some(f) = self.rungs.get(set) else { return Ok(()) };
-        let rung = self.rung(set, f);
-        let screen = self.screen(&rung)?;
+        let Some(f) = self.fitted_models.get(set) else { return Ok(()) };
+        let fitted_model = self.fitted_model(set, f);
+        let screen = self.screen(&fitted_model)?;
         self.screens.insert(set.to_vec(), screen);
         Ok(())
     }
@@ -211,15 +214,15 @@ impl<'a> FeLadder<'a> {
         self.cancelled.phase(Phase::Candidates);
         let this = &*self;
         let open: Vec<&Vec<String>> =
-            sets.iter().filter(|s| this.compatible(s) && !this.rungs.contains_key(*s)).collect();
-        let one = |set: &&Vec<String>| this.fit_near_neutral_if_need_be(set, set, &this.proposed(set));
+            sets.iter().filter(|s| this.compatible(s) && !this.fitted_models.contains_key(*s)).collect();
+        let one = |set: &&Vec<String>| this.fit_with_restarts(set, set, &this.proposed(set));
         let fitted: Vec<Result<Fitted, AnalysisError>> = open.par_iter().map(one).collect();
         let names: Vec<Vec<String>> = open.into_iter().cloned().collect();
         for (set, fitted) in names.into_iter().zip(fitted) {
             match fitted {
                 Ok(f) => {
                     (self.progress)(&format!("{}: χ² {:.1}", named(&set), f.fit.f));
-                    self.rungs.insert(set, f);
+                    self.fitted_models.insert(set, f);
                 }
                 Err(e) if self.cancelled.stops() => return Err(e),
                 Err(e) => {

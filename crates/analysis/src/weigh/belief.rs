@@ -98,8 +98,8 @@ mod tests {
                 amplitude(&free, spec, 0, card, &start).unwrap_or_else(|| panic!("{}: no belief", card.name));
             let neutral = spec.neutral.expect("an amplitude");
             assert!((free.backward(b.mean) - neutral).abs() < 1e-9, "{}", card.name);
-            let reach = (free.forward(start[0]) - b.mean).abs() / b.sd;
-            assert!((0.5..2.0).contains(&reach), "{}: {reach}", card.name);
+            let distance = (free.forward(start[0]) - b.mean).abs() / b.sd;
+            assert!((0.5..2.0).contains(&distance), "{}: {distance}", card.name);
             let (Screening::Score(side) | Screening::Refit(side)) = card.screening;
             assert_eq!(b.lower >= b.mean, side == Sided::Positive, "{}", card.name);
         }

@@ -45,13 +45,13 @@ pub(crate) struct AtFit<'a> {
     pub model: &'a Model,
     /// All values.
     pub theta: &'a [f64],
-    pub frees: &'a [Free],
+    pub free_parameters: &'a [Free],
     pub fit: &'a Fit,
 }
 
 impl<'a> From<&'a Fitted> for AtFit<'a> {
     fn from(f: &'a Fitted) -> Self {
-        Self { model: &f.model, theta: &f.theta, frees: &f.frees, fit: &f.fit }
+        Self { model: &f.model, theta: &f.theta, free_parameters: &f.free_parameters, fit: &f.fit }
     }
 }
 
@@ -67,7 +67,7 @@ pub(crate) struct Weighed {
 
 /// Where each block stands on the path of its test.
 fn places(measured: &Measured, case: &Case) -> Vec<Place> {
-    let one = |(slot, block): (&crate::data::Slot, &inverse::Block)| {
+    let one = |(slot, block): (&crate::data::DataBlock, &inverse::Block)| {
         let test = &case.tests[slot.test];
         let s = test.record.as_ref().map_or(Vec::new(), |r| evidence::path(&r.time, &r.displacement));
         let peak = block.measured.iter().fold(0.0f64, |m, v| m.max(v.abs()));
@@ -109,8 +109,9 @@ impl<'a> Scale<'a> {
     /// A model linearised at its fit.
     pub fn linear(&self, f: AtFit) -> Result<Linear, EvidenceError> {
         let sizes = scales(f.model, f.theta);
-        let beliefs: Vec<_> = f.frees.iter().map(|x| belief(x, f.model, self.catalogue, &sizes)).collect();
-        Linear::at_fit(&self.measured, f.frees, &f.fit.theta, &f.fit.prediction, &beliefs)
+        let beliefs: Vec<_> =
+            f.free_parameters.iter().map(|x| belief(x, f.model, self.catalogue, &sizes)).collect();
+        Linear::at_fit(&self.measured, f.free_parameters, &f.fit.theta, &f.fit.prediction, &beliefs)
     }
 
     /// The integral over the rest.

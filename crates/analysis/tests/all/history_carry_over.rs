@@ -46,7 +46,7 @@ fn slopes(model: &Model, of: &str, beside: &[&str]) -> Vec<f64> {
         beside.iter().chain([&of]).map(|name| model.find(name).expect("parameter")).collect();
     let theta = model.theta();
     let options = RunOptions {
-        march: SteppingOptions { keep_states: true, ..SteppingOptions::default() },
+        stepping: SteppingOptions { keep_states: true, ..SteppingOptions::default() },
         tearing_steps: 12,
         uniaxial_steps: 6,
         follow_holds: true,

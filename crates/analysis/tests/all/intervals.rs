@@ -20,7 +20,7 @@ fn case(folder: &std::path::Path, noise: &str) -> input::Case {
 }
 
 #[test]
-fn the_noise_as_estimated_replaces_a_sceptics_and_leaves_the_meshs_error() {
+fn the_noise_as_estimated_replaces_conservative_noise_and_leaves_the_meshs_error() {
     let folder = tempfile::tempdir().unwrap();
     case(folder.path(), "");
     for (seed, name) in [(3, "uniaxial.csv"), (4, "tearing.csv")] {
@@ -33,7 +33,7 @@ fn the_noise_as_estimated_replaces_a_sceptics_and_leaves_the_meshs_error() {
     let model = Model::new(Arc::new(case), &effects::catalogue(), Discretisation::default()).unwrap();
     let estimated = Measured::of(&model, &[true, true]).unwrap();
     let error = DVector::from_fn(estimated.data.points(), |i, _| 1e-3 * (i % 5) as f64);
-    let conservative = Measured::cautious(&model, &[true, true]).unwrap().with_numerical_error(&error);
+    let conservative = Measured::conservative(&model, &[true, true]).unwrap().with_numerical_error(&error);
     let back = conservative.as_estimated(&model).unwrap();
     for ((b, c), e) in back.data.blocks.iter().zip(&conservative.data.blocks).zip(&estimated.data.blocks) {
         assert!(c.noise.ar1 > e.noise.ar1, "{} {}", c.noise.ar1, e.noise.ar1);
@@ -78,11 +78,11 @@ fn distorted(wave: f64) -> input::Case {
 /// A softening zone as small as the elements is known less towards higher strength: that side is the longer one, and no
 /// side is shorter than the standard error at the answer makes it.
 #[test]
-fn arms_of_a_strength_follow_what_the_mesh_can_tell() {
+fn sides_of_an_interval_follow_what_the_mesh_can_tell() {
     let found = identified(distorted(0.0));
-    let sides: Vec<[f64; 2]> = (0..found.frees.len())
+    let sides: Vec<[f64; 2]> = (0..found.free_parameters.len())
         .map(|k| {
-            let (f, e) = (&found.frees[k], &found.uncertainty.estimates[k]);
+            let (f, e) = (&found.free_parameters[k], &found.uncertainty.estimates[k]);
             let sd = found.uncertainty.covariance_z[(k, k)].sqrt();
             e.interval_95_if_right.map(|end| (f.forward(end) - f.forward(e.value)).abs() / (Z95 * sd))
         })
@@ -93,7 +93,7 @@ fn arms_of_a_strength_follow_what_the_mesh_can_tell() {
         let [a, b] = e.interval_95_if_right;
         assert!(e.interval_95[0] <= a && b <= e.interval_95[1], "{e:?}");
     }
-    for ((f, side), e) in found.frees.iter().zip(&sides).zip(&found.uncertainty.estimates) {
+    for ((f, side), e) in found.free_parameters.iter().zip(&sides).zip(&found.uncertainty.estimates) {
         for (a, end) in side.iter().zip(e.interval_95_if_right) {
             // Bounds cut.
             let cut = end <= f.lower || end >= f.upper;
@@ -101,7 +101,7 @@ fn arms_of_a_strength_follow_what_the_mesh_can_tell() {
         }
         assert!(side[0].min(side[1]) < 1.0 + 1e-9, "{} {side:?}", f.path);
     }
-    let strength = found.frees.iter().position(|f| f.path == "interface.area[1].sigma_c").unwrap();
+    let strength = found.free_parameters.iter().position(|f| f.path == "interface.area[1].sigma_c").unwrap();
     assert!(sides[strength][1] > 1.02, "{sides:?}");
 }
 

@@ -3,7 +3,7 @@
 
 use crate::small;
 
-use analysis::{Control, FeProblem, Identified, Slot, identify, run_options, scales};
+use analysis::{Control, DataBlock, FeProblem, Identified, identify, run_options, scales};
 use input::{Case, EffectConfig, Value};
 use inverse::{Problem as _, Random};
 use model::{Catalogue, Channel, Discretisation, Effect, Model};
@@ -71,8 +71,8 @@ fn with(case: &Case, effect: &Arc<dyn Effect>, values: &[f64]) -> Case {
 fn forces(case: &Case, catalogue: &Catalogue) -> Vec<Vec<f64>> {
     let model = Model::new(Arc::new(case.clone()), catalogue, Discretisation::default()).expect("a model");
     let rows = |t: &input::Test| (0..t.record.as_ref().map_or(0, input::Record::len)).collect();
-    let slots: Vec<Slot> = (0..case.tests.len())
-        .map(|test| Slot { test, channel: Channel::Force, rows: rows(&case.tests[test]) })
+    let slots: Vec<DataBlock> = (0..case.tests.len())
+        .map(|test| DataBlock { test, channel: Channel::Force, rows: rows(&case.tests[test]) })
         .collect();
     let problem = FeProblem::new(&model, model.theta(), Vec::new(), &slots, run_options(case), &|| false);
     let all = problem.predict(&[], false).unwrap_or_else(|e| panic!("{:?}: {e}", model.effects())).values;
@@ -133,7 +133,11 @@ fn recovered(base: &Case, catalogue: &Catalogue, effect: &Arc<dyn Effect>, seed:
     let found: Identified =
         identify(Arc::new(fit), catalogue, &control).unwrap_or_else(|e| panic!("{name}: {e}"));
     let path = format!("effects.{name}.{}", truth.effects[0].specs[0].name);
-    let at = found.frees.iter().position(|f| f.path == path).unwrap_or_else(|| panic!("{path} is not free"));
+    let at = found
+        .free_parameters
+        .iter()
+        .position(|f| f.path == path)
+        .unwrap_or_else(|| panic!("{path} is not free"));
     let e = &found.uncertainty.estimates[at];
     Recovered {
         name,

@@ -355,7 +355,7 @@ proptest! {
 }
 
 #[test]
-fn a_promise_beyond_the_limits_of_an_amplitude_is_cut() {
+fn a_prediction_beyond_the_limits_of_an_amplitude_is_cut() {
     // The record asks for 2; the law admits 0.5, a quarter of it: 1 − (3/4)² of the fall.
     let y = column(|t| 2.0 * (5.0 * t).sin()) + Random::new(4).normals(N) * 0.02;
     let white = misfit(&y, NoiseModel::white(0.02)).1;

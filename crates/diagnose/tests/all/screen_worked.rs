@@ -178,7 +178,7 @@ fn simulated_tails_are_those_of_independent_shapes() {
 }
 
 #[test]
-fn what_the_base_does_itself_promises_nothing() {
+fn what_the_base_does_itself_predicts_nothing() {
     let hidden = |side: Side| Candidate::simple("hidden", side, 7.0, along(&[(7, 2.0)]));
     let mut twice = hidden(Side::Both);
     twice.amplitudes.push(twice.amplitudes[0].clone());
@@ -216,7 +216,7 @@ fn three_amplitudes_of_one_effect_share_what_each_explains() {
 }
 
 #[test]
-fn a_misfit_of_zero_promises_nothing() {
+fn a_misfit_of_zero_predicts_nothing() {
     let f = p_value(&along(&[]), &[Side::Both], &[&[along(&[(0, 1.0)])]]);
     assert_eq!((f.fall, f.expected_fall, f.p_value), (0.0, 0.0, 1.0));
 }
@@ -241,22 +241,22 @@ fn a_two_sided_test_sees_either_side() {
     close(power(c, 0.05, false), 0.5 + normal_sf(2.0 * c));
 }
 
-fn rung(chi2: f64, freedom: f64) -> Rung {
-    Rung { freedom, bic: chi2, reduced_chi2: 1.0, ..tables::rung(&[], chi2, 3) }
+fn fitted_model(chi2: f64, freedom: f64) -> FittedModel {
+    FittedModel { freedom, bic: chi2, reduced_chi2: 1.0, ..tables::fitted_model(&[], chi2, 3) }
 }
 
 #[test]
-fn a_rung_is_explained_up_to_four_sigmas_or_a_fifth() {
+fn a_model_is_explained_up_to_four_sigmas_or_a_fifth() {
     let policy = Policy::default();
-    let explained = |chi2: f64, freedom: f64| rung(chi2, freedom).explained(&policy);
+    let explained = |chi2: f64, freedom: f64| fitted_model(chi2, freedom).explained(&policy);
     // √(2/200) = 0.1: up to 1.4. √(2/80 000) = 0.005: the fifth holds.
     assert_eq!([279.0, 281.0].map(|c| explained(c, 200.0)), [true, false]);
     assert_eq!([95_900.0, 96_100.0].map(|c| explained(c, 80_000.0)), [true, false]);
     assert!(
-        !Rung { structure_p: 0.9e-6, ..rung(100.0, 200.0) }.explained(&policy),
+        !FittedModel { structure_p: 0.9e-6, ..fitted_model(100.0, 200.0) }.explained(&policy),
         "structure, whatever χ² says"
     );
-    close(rung(250.0, 200.0).reduced_chi2_total(), 1.25);
+    close(fitted_model(250.0, 200.0).reduced_chi2_total(), 1.25);
 }
 
 #[test]

@@ -34,9 +34,12 @@ fn a_finding_is_one_of_four_sentences() {
     assert_eq!(say(&f), "drift would take away 25 % of χ² (p = 2e-9), with g ≈ 0.123, tau ≈ 12.5.");
     let alike = Finding { look_alikes: ["a", "b", "c"].map(String::from).to_vec(), ..f.clone() };
     assert!(say(&alike).ends_with(" These records cannot tell it from a, b or c."), "{}", say(&alike));
-    let untold = |fall: f64| Finding { refit_only: true, fall, ..f.clone() };
-    assert_eq!(say(&untold(9.9)), "drift: its derivative at neutral does not tell; a short refit decides.");
-    assert_eq!(say(&untold(10.0)), say(&f));
+    let indistinguishable = |fall: f64| Finding { refit_only: true, fall, ..f.clone() };
+    assert_eq!(
+        say(&indistinguishable(9.9)),
+        "drift: its derivative at neutral does not tell; a short refit decides."
+    );
+    assert_eq!(say(&indistinguishable(10.0)), say(&f));
     let faint = Finding { significant: false, p_value: 0.0421, ..f.clone() };
     assert_eq!(say(&faint), "drift is not called for (p = 0.042), though a plausible amount would show.");
     let blind = Finding { visible: false, ..faint.clone() };

@@ -1,6 +1,6 @@
 //! All tests of `evidence` from outside, in one program: each of its own would be linked anew.
 
-mod by_hand;
+mod analytic;
 mod calibration;
 mod limits;
 mod toys;

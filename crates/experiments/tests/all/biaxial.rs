@@ -91,7 +91,7 @@ fn forces(text: &str, seeds: &[&str], change: Option<(&str, f64)>) -> (Vec<[f64;
     }
     let columns: Vec<usize> = seeds.iter().map(|s| at(s)).collect();
     let mut options = RunOptions::default();
-    options.march.newton.tolerance = 1e-11;
+    options.stepping.newton.tolerance = 1e-11;
     let runs = model
         .run(&Request {
             theta: &theta,

@@ -77,7 +77,7 @@ fn a_steady_peel_gives_the_toughness_on_a_coarse_mesh() {
 
 #[test]
 #[ignore = "slow: run by `just slow`"]
-fn a_steady_peel_gives_the_toughness_whatever_the_length_of_the_arms() {
+fn a_steady_peel_gives_the_toughness_whatever_its_length() {
     let mut forces = Vec::new();
     for (arm, to) in [(4.0, 30.0), (8.0, 40.0)] {
         let peel = Peel { arm, length: arm + 18.0, size: 0.25, over: 8, to, symmetry: "auto" };

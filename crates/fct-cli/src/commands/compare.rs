@@ -21,7 +21,7 @@ pub struct Arguments {
 /// Bad input, a directory that holds no identification; a file that cannot be identified.
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
     let place = if arguments.run.is_dir() {
-        last_rung(&arguments.run)
+        last_fitted_model(&arguments.run)
     } else {
         let case = session.fitted_case(&arguments.run)?;
         let place = session.place("identify", &case);
@@ -40,7 +40,7 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
 }
 
 /// Of a search the model that it chose; any other directory itself.
-pub fn last_rung(place: &Path) -> PathBuf {
-    let rung = |k: usize| place.join("rungs").join(k.to_string());
-    (0..).map(rung).take_while(|p| p.is_dir()).last().unwrap_or_else(|| place.to_owned())
+pub fn last_fitted_model(place: &Path) -> PathBuf {
+    let fitted_model = |k: usize| place.join("rungs").join(k.to_string());
+    (0..).map(fitted_model).take_while(|p| p.is_dir()).last().unwrap_or_else(|| place.to_owned())
 }

@@ -1,6 +1,6 @@
 //! `fct discover`: the whole loop until the record is explained, or honestly not.
 
-use super::rungs;
+use super::fitted_models;
 use super::unfinished::kept;
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
@@ -72,7 +72,7 @@ fn search(
     answer.words.extend(answer.one_strength.iter().map(|o| o.words.clone()));
     answer.words.extend(weighed(case));
     progress.note("curves and intervals of every rung, on the file's mesh");
-    let top = rungs::store(dir, case, &answer, session, &metered)?;
+    let top = fitted_models::store(dir, case, &answer, session, &metered)?;
     answer.cost = meter.spent();
     Ok((answer, top))
 }

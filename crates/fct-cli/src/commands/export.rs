@@ -51,7 +51,7 @@ impl Format {
 /// # Errors
 /// No finished run, a law that these programs do not have, a file that would be overwritten.
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
-    let place = super::compare::last_rung(&arguments.run);
+    let place = super::compare::last_fitted_model(&arguments.run);
     let run = session.stored(&place)?;
     let found = run.identify().ok_or_else(|| unfinished(&place))?;
     let mut case = (*session.case(&place)?).clone();

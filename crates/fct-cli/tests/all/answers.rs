@@ -101,8 +101,10 @@ fn discover_names_what_is_hidden() -> Tested {
     assert!(matches!(found["verdict"].as_str(), Some("explained" | "ambiguous")), "{}", found["verdict"]);
     let group = found["groups"][0].as_array().ok_or("groups")?;
     assert!(group.contains(&"drift".into()) && group.len() <= 3, "{group:?}");
-    let rungs = found["ladder"].as_array().ok_or("ladder")?;
-    assert!(rungs.len() >= 2 && rungs[1]["rms_N"].as_f64() < rungs[0]["rms_N"].as_f64());
+    let fitted_models = found["ladder"].as_array().ok_or("ladder")?;
+    assert!(
+        fitted_models.len() >= 2 && fitted_models[1]["rms_N"].as_f64() < fitted_models[0]["rms_N"].as_f64()
+    );
     // One strength would do as well as three, and is said to.
     let one = &found["one_strength"];
     assert!(one["as_good"].as_array().is_some_and(|a| a.contains(&serde_json::json!(["drift"]))), "{one}");

@@ -57,7 +57,7 @@ fn a_report_is_clicked_and_read() -> Tested {
     }
     page.load(&file, 1280, "light")?;
     first_screen(&mut page)?;
-    rungs(&mut page, here)?;
+    fitted_models(&mut page, here)?;
     hovering(&mut page, here)?;
     moves(&mut page, here)?;
     // The page of the diagnosed run names effects; the batch page has its table.
@@ -90,12 +90,12 @@ fn first_screen(page: &mut Page) -> Tested {
 }
 
 /// Each rung shows its own numbers, those of its summary.json.
-fn rungs(page: &mut Page, here: &Path) -> Tested {
-    for (rung, run, name) in [("0", "base", "base model"), ("1", "more", "compliance")] {
-        page.click(&format!("[data-rung='{rung}']"))?;
+fn fitted_models(page: &mut Page, here: &Path) -> Tested {
+    for (fitted_model, run, name) in [("0", "base", "base model"), ("1", "more", "compliance")] {
+        page.click(&format!("[data-rung='{fitted_model}']"))?;
         assert_eq!(page.text("#curves h2 [data-shown]")?, name);
         let answer = summary(&here.join(run))?;
-        let visible = page.text(&format!("#parameters [data-of='{rung}'] table"))?;
+        let visible = page.text(&format!("#parameters [data-of='{fitted_model}'] table"))?;
         for p in answer["parameters"].as_array().ok_or("parameters")? {
             let path = p["path"].as_str().ok_or("path")?;
             let line = visible
@@ -107,7 +107,7 @@ fn rungs(page: &mut Page, here: &Path) -> Tested {
             let value = p["value"].as_f64().ok_or("value")? * factor;
             assert!((shown - value).abs() <= 6e-4 * value.abs(), "{path}: {shown} on the page, {value}");
         }
-        let misfit = page.text(&format!("[data-rung='{rung}']"))?;
+        let misfit = page.text(&format!("[data-rung='{fitted_model}']"))?;
         let rms = answer["rms_N"].as_f64().ok_or("rms")?;
         let shown = misfit.lines().find_map(|l| l.strip_suffix(" N")?.parse::<f64>().ok());
         assert!(shown.is_some_and(|s| (s - rms).abs() < 6e-3 * rms), "{misfit}: {rms}");
@@ -217,10 +217,10 @@ fn a_search_answers_on_its_first_screen() -> Tested {
     }
     // The ladder's numbers are those of the search; its rungs switch the curves.
     let answer = summary(&here.join("search"))?;
-    for rung in 0..2 {
-        page.click(&format!("[data-rung='{rung}']"))?;
-        let rms = answer["ladder"][rung]["rms_N"].as_f64().ok_or("rms")?;
-        let text = page.text(&format!("[data-rung='{rung}']"))?;
+    for fitted_model in 0..2 {
+        page.click(&format!("[data-rung='{fitted_model}']"))?;
+        let rms = answer["ladder"][fitted_model]["rms_N"].as_f64().ok_or("rms")?;
+        let text = page.text(&format!("[data-rung='{fitted_model}']"))?;
         let shown = text.lines().find_map(|l| l.strip_suffix(" N")?.parse::<f64>().ok());
         assert!(shown.is_some_and(|s| (s - rms).abs() < 6e-3 * rms), "{text}: {rms}");
         page.hover("#curves figure[data-name='uniaxial'] .u-over", [0.8, 0.3])?;
@@ -228,11 +228,12 @@ fn a_search_answers_on_its_first_screen() -> Tested {
         let index =
             page.ask("document.querySelector(\"#curves figure[data-name='uniaxial']\").dataset.index")?;
         let index: usize = index.as_str().ok_or("no point under the mouse")?.parse()?;
-        let curve = fs::read_to_string(here.join(format!("search/rungs/{rung}/curves/uniaxial.csv")))?;
+        let curve =
+            fs::read_to_string(here.join(format!("search/rungs/{fitted_model}/curves/uniaxial.csv")))?;
         let row = curve.lines().nth(index + 1).ok_or("row")?;
         let model: f64 = row.split(',').nth(3).ok_or("model")?.parse()?;
         let shown = number(&told, "model").ok_or_else(|| told.clone())?;
-        assert!((shown - model).abs() <= 1e-3 * model.abs() + 1e-6, "rung {rung}: {told}, {model}");
+        assert!((shown - model).abs() <= 1e-3 * model.abs() + 1e-6, "rung {fitted_model}: {told}, {model}");
     }
     assert_eq!(page.faults(), Vec::<String>::new());
     assert_eq!(page.outside(), Vec::<String>::new());

@@ -23,7 +23,7 @@ pub const LONG_REST: f64 = 1e9;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunOptions {
     /// Finite-element options.
-    pub march: SteppingOptions,
+    pub stepping: SteppingOptions,
     /// Grid lines over the displacement range of a test that tears.
     pub tearing_steps: usize,
     /// Grid lines over the displacement range of a test in which nothing tears.
@@ -34,7 +34,12 @@ pub struct RunOptions {
 
 impl Default for RunOptions {
     fn default() -> Self {
-        Self { march: SteppingOptions::default(), tearing_steps: 48, uniaxial_steps: 20, follow_holds: false }
+        Self {
+            stepping: SteppingOptions::default(),
+            tearing_steps: 48,
+            uniaxial_steps: 20,
+            follow_holds: false,
+        }
     }
 }
 
@@ -196,7 +201,7 @@ impl Model {
             &targets,
             &mut columns,
             &camera,
-            request.options.march,
+            request.options.stepping,
             request.warm.get(t).and_then(Option::as_ref),
             request.cancelled,
         );

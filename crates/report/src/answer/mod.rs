@@ -2,18 +2,18 @@
 #![allow(non_snake_case)]
 
 mod compare;
+mod fitted_model;
 mod identify;
 mod remarks;
-mod rung;
 pub use remarks::{held_at_limits, weighed};
 mod simulate;
 
 pub use compare::CompareAnswer;
+pub use fitted_model::{Evaluated, Evaluator, fitted_case};
 pub(crate) use identify::histories;
 pub use identify::{
     IdentifyAnswer, ParameterAnswer, PublishedSummary, StageEnd, StageHistory, TestFit, Trial,
 };
-pub use rung::{Evaluated, Evaluator, rung_case};
 pub use simulate::{EnergyAnswer, JumpAnswer, SimulateAnswer, SolverAnswer, TestCurve};
 
 /// Version of the answers' layout.

@@ -16,7 +16,7 @@ pub use record::{Channels, of_record};
 pub use staircase::figure as staircase;
 
 use crate::answer::IdentifyAnswer;
-use crate::html::{Rung, View};
+use crate::html::{FittedModel, View};
 use crate::runs::StoredRun;
 use crate::{Curve, ReportError};
 
@@ -50,14 +50,14 @@ pub fn of_identify(answer: &IdentifyAnswer, curves: &[Curve]) -> Result<Vec<Figu
 /// If one cannot be drawn.
 pub fn of_run(run: &StoredRun) -> Result<Vec<Figure>, ReportError> {
     let view = View::of(run, &run.path)?;
-    let mut out = match view.rungs.get(view.shown) {
-        Some(rung) => of_identify(&rung.answer, &rung.curves)?,
+    let mut out = match view.fitted_models.get(view.shown) {
+        Some(fitted_model) => of_identify(&fitted_model.answer, &fitted_model.curves)?,
         None => of_curves(&run.curves()?)?,
     };
-    let rungs: Vec<(String, f64)> = view.rungs.iter().map(|r| (r.name(), r.rms())).collect();
-    out.extend(staircase(&rungs, view.rungs.first().map_or(0.0, Rung::noise))?);
+    let fitted_models: Vec<(String, f64)> = view.fitted_models.iter().map(|r| (r.name(), r.rms())).collect();
+    out.extend(staircase(&fitted_models, view.fitted_models.first().map_or(0.0, FittedModel::noise))?);
     let tests = run.answer.get("tests").and_then(serde_json::Value::as_object);
-    let names = view.rungs.last().map(|r| r.answer.tests.keys().cloned().collect::<Vec<_>>());
+    let names = view.fitted_models.last().map(|r| r.answer.tests.keys().cloned().collect::<Vec<_>>());
     let names = names.unwrap_or_else(|| tests.into_iter().flat_map(|t| t.keys().cloned()).collect());
     for name in names.iter().map(|n| format!("{n}-S22")) {
         let file = format!("figures/{name}.svg");

@@ -11,18 +11,18 @@ const SIZE: (u32, u32) = (620, 330);
 ///
 /// # Errors
 /// If it cannot be drawn.
-pub fn figure(rungs: &[(String, f64)], noise: f64) -> Result<Option<Figure>, ReportError> {
-    if rungs.len() < 2 {
+pub fn figure(fitted_models: &[(String, f64)], noise: f64) -> Result<Option<Figure>, ReportError> {
+    if fitted_models.len() < 2 {
         return Ok(None);
     }
     let caption = "Ladder: rms misfit over all force points against the effects added (dashed: noise)";
-    let most = 1.15 * rungs.iter().fold(noise, |m, r| m.max(r.1));
+    let most = 1.15 * fitted_models.iter().fold(noise, |m, r| m.max(r.1));
     draw("ladder", caption.to_owned(), SIZE, |area| -> Drawn {
         let mut chart = ChartBuilder::on(area)
             .margin(10)
             .x_label_area_size(34)
             .y_label_area_size(70)
-            .build_cartesian_2d(0.0..rungs.len() as f64, 0.0..most)?;
+            .build_cartesian_2d(0.0..fitted_models.len() as f64, 0.0..most)?;
         chart
             .configure_mesh()
             .disable_x_mesh()
@@ -36,16 +36,16 @@ pub fn figure(rungs: &[(String, f64)], noise: f64) -> Result<Option<Figure>, Rep
             .y_desc("rms misfit (N)")
             .draw()?;
         let text = (FONT, 13).into_font().color(&INK);
-        for (i, (name, rms)) in rungs.iter().enumerate() {
+        for (i, (name, rms)) in fitted_models.iter().enumerate() {
             let (from, to) = (i as f64, i as f64 + 1.0);
             chart.draw_series([PathElement::new([(from, *rms), (to, *rms)], MODEL.stroke_width(3))])?;
-            if let Some(next) = rungs.get(i + 1) {
+            if let Some(next) = fitted_models.get(i + 1) {
                 chart.draw_series([PathElement::new([(to, *rms), (to, next.1)], MODEL.stroke_width(1))])?;
             }
             chart.draw_series([Text::new(name.clone(), (from + 0.04, rms + 0.07 * most), text.clone())])?;
         }
         chart.draw_series(DashedLineSeries::new(
-            [(0.0, noise), (rungs.len() as f64, noise)],
+            [(0.0, noise), (fitted_models.len() as f64, noise)],
             6,
             4,
             SECOND.stroke_width(1),

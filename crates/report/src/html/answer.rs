@@ -2,7 +2,7 @@
 
 use super::place::{cameras, described, places};
 use super::probable::bars;
-use super::view::{Rung, View};
+use super::view::{FittedModel, View};
 use super::{code, escape};
 use crate::answer::ParameterAnswer;
 use crate::peek::{groups, list, number, rows, text, yes};
@@ -65,9 +65,11 @@ fn good_enough(v: &View) -> Card {
     let Some(now) = v.current() else {
         return Card { question, good: Some(good), head: words(v), body: String::new() };
     };
-    let base = v.rungs.first().filter(|_| v.rungs.len() > 1);
+    let base = v.fitted_models.first().filter(|_| v.fitted_models.len() > 1);
     let head = match (good, base) {
-        (true, None) if now.leans_on_the_mesh().is_some() => "Yes, within the mesh's error".to_owned(),
+        (true, None) if now.explained_with_mesh_error().is_some() => {
+            "Yes, within the mesh's error".to_owned()
+        }
         (true, None) => "Yes".to_owned(),
         (true, Some(b)) if b.answer.explained && v.run.info.command != "discover" => {
             "Yes, and the base model was".to_owned()
@@ -99,7 +101,7 @@ fn good_enough(v: &View) -> Card {
             significant(base.rms(), 3)
         ));
     }
-    if let Some(chi2) = now.leans_on_the_mesh().filter(|_| good) {
+    if let Some(chi2) = now.explained_with_mesh_error().filter(|_| good) {
         body.push_str(&format!(
             "<p>With the record's noise alone it is <b>{}</b>: what is left is as large as the error of the mesh, and a finer one \
              may show more.</p>",
@@ -115,9 +117,10 @@ fn good_enough(v: &View) -> Card {
 fn place(v: &View) -> Card {
     let question = "Where is it off?";
     let all = places(v);
-    let fine = explained(v) && v.rungs.first().is_none_or(|base| v.rungs.len() < 2 || base.answer.explained);
+    let fine = explained(v)
+        && v.fitted_models.first().is_none_or(|base| v.fitted_models.len() < 2 || base.answer.explained);
     let Some(first) = all.first().filter(|_| !fine) else {
-        let (head, body) = match v.current().and_then(Rung::leans_on_the_mesh) {
+        let (head, body) = match v.current().and_then(FittedModel::explained_with_mesh_error) {
             None => ("Nowhere beyond the noise", "What is left looks like the noise of the record."),
             Some(_) => {
                 ("Nowhere beyond the mesh's error", "What is left may be the mesh: see the misfit strips.")
@@ -138,7 +141,7 @@ fn place(v: &View) -> Card {
             format!("<li>{test}, {segment}: <b>{:.0} %</b> of χ²{side}</li>", 100.0 * share)
         })
         .collect();
-    let whose = match described(v).filter(|_| v.rungs.len() > 1) {
+    let whose = match described(v).filter(|_| v.fitted_models.len() > 1) {
         Some(r) => format!("<p class=\"muted\">Of {}:</p>", escape(&r.name())),
         None => String::new(),
     };
@@ -155,9 +158,10 @@ fn words(v: &View) -> String {
 fn missing(v: &View) -> Card {
     let question = "What is missing?";
     let Some(d) = &v.diagnosis else {
-        let added = v.current().filter(|r| explained(v) && !r.answer.effects.is_empty() && v.rungs.len() > 1);
+        let added =
+            v.current().filter(|r| explained(v) && !r.answer.effects.is_empty() && v.fitted_models.len() > 1);
         let head = match added {
-            Some(r) if v.rungs.first().is_some_and(|b| !b.answer.explained) => {
+            Some(r) if v.fitted_models.first().is_some_and(|b| !b.answer.explained) => {
                 format!("{}, which was added", escape(&r.name()))
             }
             _ if explained(v) => "Nothing that shows".to_owned(),
@@ -173,7 +177,7 @@ fn missing(v: &View) -> Card {
     let head = match verdict(v) {
         "nothing_missing" if explained(v) => "Nothing that shows".to_owned(),
         "nothing_missing" => "Nothing that the screen calls for".to_owned(),
-        _ if is_screen(v) && v.rungs.len() < 2 => {
+        _ if is_screen(v) && v.fitted_models.len() < 2 => {
             format!("The screen points to {}", escape(&groups(d).join(", and ")))
         }
         "unexplained" if found.is_empty() => "Something the catalogue does not hold".to_owned(),
@@ -217,9 +221,9 @@ fn screened(d: &Value) -> String {
     )
 }
 
-/// Reduced χ² with the record's noise alone, where what is called explained leans on the mesh's error.
+/// Reduced χ² with the record's noise alone, where what is called explained needs the mesh's error.
 pub fn mean_off(v: &View) -> Option<f64> {
-    v.current().and_then(Rung::leans_on_the_mesh)
+    v.current().and_then(FittedModel::explained_with_mesh_error)
 }
 
 /// How much of each found effect: its parameters at the rung shown.
@@ -251,7 +255,7 @@ fn how_sure(v: &View) -> Card {
             _ if is_screen(v) && list(d, "found").is_empty() => {
                 "No effect of the catalogue is called for".into()
             }
-            _ if is_screen(v) && v.rungs.len() < 2 => "A screen: nothing was refitted yet".into(),
+            _ if is_screen(v) && v.fitted_models.len() < 2 => "A screen: nothing was refitted yet".into(),
             _ if is_screen(v) => "One model was refitted, its rivals were not".into(),
             ("ambiguous", _) | (_, false) => "These records cannot tell rivals apart".into(),
             ("unexplained", _) => "Sure that something is missing".into(),
@@ -294,7 +298,9 @@ fn how_sure(v: &View) -> Card {
 
 /// What the ladder gained in BIC and on data that the fit did not see.
 fn falls(v: &View) -> Vec<String> {
-    let (Some(base), Some(now)) = (v.rungs.first(), v.current().filter(|_| v.rungs.len() > 1)) else {
+    let (Some(base), Some(now)) =
+        (v.fitted_models.first(), v.current().filter(|_| v.fitted_models.len() > 1))
+    else {
         return Vec::new();
     };
     let mut out = Vec::new();
@@ -327,7 +333,7 @@ fn next(v: &View) -> Card {
         return Card { question, good: None, head, body };
     }
     let (head, body) = match (verdict(v), v.diagnosis.as_ref()) {
-        _ if command != "discover" && v.rungs.len() > 1 && explained(v) => ("Use the values".to_owned(), loose(v)),
+        _ if command != "discover" && v.fitted_models.len() > 1 && explained(v) => ("Use the values".to_owned(), loose(v)),
         ("unexplained", Some(_)) => (
             "Look where it is off".to_owned(),
             "<p>The residual strip and the atlas below show when the misfit comes. An effect of your own can be added: see <i>adding an effect</i> in the book.</p>".to_owned(),
@@ -343,8 +349,8 @@ fn next(v: &View) -> Card {
             let lines: Vec<String> = adds.chain([fit]).map(|l| code(&l)).collect();
             ("Add it and refit".to_owned(), format!("<p>{}</p>", lines.join("<br>")))
         }
-        (_, Some(_)) if command == "discover" && v.rungs.len() > 1 => {
-            let last = v.rungs.len() - 1;
+        (_, Some(_)) if command == "discover" && v.fitted_models.len() > 1 => {
+            let last = v.fitted_models.len() - 1;
             ("Refit and report".to_owned(), format!("<p>The found model, ready for a full identification with intervals:<br>{}</p>", code(&format!("fct identify {} --out runs/found", quoted_path(&v.run.path.join(format!("rungs/{last}/run.toml")))))))
         }
         _ if explained(v) => ("Use the values".to_owned(), loose(v)),

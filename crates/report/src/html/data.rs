@@ -1,6 +1,6 @@
 //! The numbers behind the charts, as compact JSON: six significant digits, one array per column.
 
-use super::view::{Rung, View};
+use super::view::{FittedModel, View};
 use crate::Curve;
 use crate::answer::{IdentifyAnswer, ParameterAnswer};
 use crate::figures::shown_parameters;
@@ -10,9 +10,9 @@ use serde_json::{Map, Value, json};
 /// All charts of a page.
 pub fn of(v: &View) -> Value {
     let tests: Vec<Value> = v.current().map_or_else(Vec::new, |r| r.curves.iter().map(test).collect());
-    let rungs: Vec<Value> = v.rungs.iter().map(rung).collect();
+    let fitted_models: Vec<Value> = v.fitted_models.iter().map(fitted_model).collect();
     json!({
-        "tests": tests, "rungs": rungs, "shown": v.shown,
+        "tests": tests, "rungs": fitted_models, "shown": v.shown,
         "convergence": v.current().map_or(Value::Null, |r| convergence(&r.answer)),
     })
 }
@@ -60,7 +60,7 @@ fn test(c: &Curve) -> Value {
 }
 
 /// What one rung's model says.
-fn rung(r: &Rung) -> Value {
+fn fitted_model(r: &FittedModel) -> Value {
     let (a, curves) = (&r.answer, &r.curves);
     let force: Map<String, Value> = curves.iter().map(|c| (c.test.clone(), numbers(&c.model))).collect();
     let channels: Map<String, Value> = curves

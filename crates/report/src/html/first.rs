@@ -2,8 +2,8 @@
 
 use super::answer::{explained, mean_off, verdict};
 use super::place::places;
-use super::view::{Rung, View};
-use super::{chart, escape, per_rung};
+use super::view::{FittedModel, View};
+use super::{chart, escape, per_model};
 use crate::answer::{IdentifyAnswer, ParameterAnswer};
 use crate::peek::groups;
 use crate::terminal::{interval, known, mean_sd, pair, readable_unit, significant};
@@ -12,7 +12,7 @@ use crate::terminal::{interval, known, mean_sd, pair, readable_unit, significant
 pub fn section(v: &View) -> String {
     let (good, sentence) = cause(v);
     let class = if good { "good" } else { "bad" };
-    let values = per_rung(v, |r| values(&r.answer));
+    let values = per_model(v, |r| values(&r.answer));
     let curve = v.current().and_then(main_curve).map_or_else(String::new, |test| {
         chart("main", test, &format!("{test}: record and model with ± 2 sd of the noise"))
     });
@@ -23,7 +23,7 @@ pub fn section(v: &View) -> String {
 }
 
 /// The test that is torn, else the first.
-fn main_curve(r: &Rung) -> Option<&str> {
+fn main_curve(r: &FittedModel) -> Option<&str> {
     let measured = || r.curves.iter().filter(|c| !c.measured.is_empty());
     let torn = measured().find(|c| !c.residuals().tear_front.is_empty());
     torn.or_else(|| measured().next()).map(|c| c.test.as_str())
@@ -34,7 +34,7 @@ pub fn cause(v: &View) -> (bool, String) {
     let good = explained(v);
     let named = v.diagnosis.as_ref().map(groups).unwrap_or_default().join(", and ");
     let searched = v.run.info.command == "discover";
-    let model = v.current().filter(|_| v.rungs.len() > 1 || searched).map(Rung::name);
+    let model = v.current().filter(|_| v.fitted_models.len() > 1 || searched).map(FittedModel::name);
     let added = model.filter(|m| m != "base model");
     let sentence = match (good, verdict(v)) {
         _ if v.current().is_none() => v.diagnosis.as_ref().map_or_else(
@@ -62,7 +62,7 @@ pub fn cause(v: &View) -> (bool, String) {
             });
             let by = added.map_or_else(String::new, |m| format!(", even with {m}"));
             let why = match (v.diagnosis.is_some(), named.is_empty()) {
-                (true, false) if v.rungs.len() < 2 => {
+                (true, false) if v.fitted_models.len() < 2 => {
                     format!(" The screen points to {named}; nothing was refitted yet.")
                 }
                 (true, true) => " The screen points to no effect of the catalogue.".to_owned(),

@@ -1,7 +1,7 @@
 //! The page of an identification, a diagnosis or a search.
 
-use super::view::{Rung, View};
-use super::{answer, chart, escape, first, ladder, per_rung, sliders, strip, tables};
+use super::view::{FittedModel, View};
+use super::{answer, chart, escape, first, ladder, per_model, sliders, strip, tables};
 use crate::published::area;
 
 /// The first screen, then everything it rests on.
@@ -67,14 +67,14 @@ fn curves(v: &View) -> String {
          {front}<span class=\"muted\">drag to zoom, double click to see all</span></div>\n\
          <div class=\"charts\">\n{charts}</div>\n{}</section>\n",
         shown_name(&r.name()),
-        per_rung(v, |r| tables::fits(&r.answer))
+        per_model(v, |r| tables::fits(&r.answer))
     )
 }
 
 fn path(v: &View) -> String {
     // One area is one value: it stands on the first screen, and a chart of one dot says no more.
-    let has = |r: &Rung| r.answer.parameters.iter().any(|p| area(&p.path).is_some_and(|at| at > 0));
-    if !v.rungs.iter().any(has) {
+    let has = |r: &FittedModel| r.answer.parameters.iter().any(|p| area(&p.path).is_some_and(|at| at > 0));
+    if !v.fitted_models.iter().any(has) {
         return String::new();
     }
     let published = v.current().is_some_and(|r| r.answer.published.is_some());
@@ -96,13 +96,13 @@ fn path(v: &View) -> String {
 
 fn parameters(v: &View) -> String {
     let Some(r) = v.current() else { return String::new() };
-    let correlations = per_rung(v, |r| tables::correlations(&r.answer));
+    let correlations = per_model(v, |r| tables::correlations(&r.answer));
     format!(
         "<section id=\"parameters\"><h2>Parameters: {}</h2>\n{}<details class=\"correlated\"><summary>Correlations of the \
          parameters</summary>\n<p class=\"muted\">Near ±1: the records fix a combination of the two, not each of them. Hover for \
          the pair.</p>\n{correlations}</details>\n{}</section>\n",
         shown_name(&r.name()),
-        per_rung(v, |r| tables::parameters(&r.answer)),
+        per_model(v, |r| tables::parameters(&r.answer)),
         tables::published(&r.answer)
     )
 }
@@ -126,12 +126,12 @@ fn convergence(v: &View) -> String {
 }
 
 fn energies(v: &View) -> String {
-    if v.rungs.iter().all(|r| r.answer.tests.values().all(|t| t.energy.is_none())) {
+    if v.fitted_models.iter().all(|r| r.answer.tests.values().all(|t| t.energy.is_none())) {
         return String::new();
     }
     format!(
         "<section id=\"energies\"><h2>Energies at the end of each test</h2>\n{}</section>\n",
-        per_rung(v, |r| tables::energies(&r.answer))
+        per_model(v, |r| tables::energies(&r.answer))
     )
 }
 

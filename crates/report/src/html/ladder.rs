@@ -1,8 +1,8 @@
 //! The staircase of rungs, the ranked effects, the residual atlas.
 
 use super::answer::called;
-use super::view::{Rung, View};
-use super::{Cell, escape, per_rung, share_class, table};
+use super::view::{FittedModel, View};
+use super::{Cell, escape, per_model, share_class, table};
 use crate::answer::IdentifyAnswer;
 use crate::peek::{list, number, rows, text, yes};
 use crate::terminal::{called as called_words, known, mean_sd, p_value, significant};
@@ -16,12 +16,12 @@ const FIRST: usize = 8;
 
 /// The staircase; each step is a button that shows its model everywhere on the page.
 pub fn staircase(v: &View) -> String {
-    if v.rungs.len() < 2 {
+    if v.fitted_models.len() < 2 {
         return String::new();
     }
-    let most = v.rungs.iter().map(Rung::rms).fold(f64::MIN_POSITIVE, f64::max);
-    let noise = v.rungs.first().map_or(0.0, Rung::noise);
-    let steps: String = v.rungs.iter().enumerate().map(|(k, r)| step(v, k, r, most)).collect();
+    let most = v.fitted_models.iter().map(FittedModel::rms).fold(f64::MIN_POSITIVE, f64::max);
+    let noise = v.fitted_models.first().map_or(0.0, FittedModel::noise);
+    let steps: String = v.fitted_models.iter().enumerate().map(|(k, r)| step(v, k, r, most)).collect();
     format!(
         "<section id=\"ladder\"><h2>Ladder</h2>\n<p class=\"muted\">Height: rms misfit over all force points (N). Dashed: \
          noise, {} N. Choose a rung: curves, values and tables below follow.</p>\n\
@@ -33,8 +33,8 @@ pub fn staircase(v: &View) -> String {
     )
 }
 
-fn step(v: &View, k: usize, r: &Rung, most: f64) -> String {
-    let before = k.checked_sub(1).and_then(|b| v.rungs.get(b));
+fn step(v: &View, k: usize, r: &FittedModel, most: f64) -> String {
+    let before = k.checked_sub(1).and_then(|b| v.fitted_models.get(b));
     let name = match before {
         None => r.name(),
         Some(b) => {
@@ -60,11 +60,11 @@ fn step(v: &View, k: usize, r: &Rung, most: f64) -> String {
 }
 
 fn ladder_table(v: &View) -> String {
-    let mean = |r: &Rung, end: &str| {
+    let mean = |r: &FittedModel, end: &str| {
         mean_sd(&known(&r.answer, end)).map_or_else(|| "–".into(), |[mean, _]| significant(mean, 3))
     };
     let optional = |x: Option<f64>, digits| x.map_or("–".to_owned(), |x| significant(x, digits));
-    let rows = v.rungs.iter().map(|r| {
+    let rows = v.fitted_models.iter().map(|r| {
         vec![
             Cell::left(r.name()),
             Cell::number(r.answer.parameters.len().to_string()),
@@ -143,10 +143,10 @@ fn effect(r: &Value) -> String {
 
 /// The residual atlas of every rung.
 pub fn residuals(v: &View) -> String {
-    if v.rungs.iter().all(|r| r.curves.is_empty()) {
+    if v.fitted_models.iter().all(|r| r.curves.is_empty()) {
         return String::new();
     }
-    let body = per_rung(v, |r| {
+    let body = per_model(v, |r| {
         let all: Vec<Residuals> = r.curves.iter().map(crate::Curve::residuals).collect();
         let tables = format!("{}{}", by_segment(&all), by_tear_front(&all));
         // Where all is noise, nobody needs to read where it sits.
@@ -169,7 +169,7 @@ fn noise_only(a: &IdentifyAnswer, all: &[Residuals]) -> Option<String> {
         .flat_map(|r| diagnose::atlas::atlas(&r.misfit, &r.segments).into_iter().map(|s| ratio(r, s.rms)))
         .collect();
     let most = ratios.iter().copied().fold(0.0, f64::max);
-    (a.explained && a.reduced_chi2 <= diagnose::LEANS && most < NOISE).then(|| {
+    (a.explained && a.reduced_chi2 <= diagnose::MESH_ERROR_ONLY && most < NOISE).then(|| {
         format!("{} segments, all at the noise: the largest rms is {most:.2} times it", ratios.len())
     })
 }

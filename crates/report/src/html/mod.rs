@@ -21,7 +21,7 @@ mod view;
 pub use batch::page as batch_page;
 pub use document::is_page;
 pub use study::{StudyHead, StudySection, StudyTable, page as study_page};
-pub use view::{Rung, View};
+pub use view::{FittedModel, View};
 
 use document::{document, picture, share_class};
 
@@ -54,8 +54,11 @@ pub fn runs_page(runs: &[StoredRun]) -> Result<String, ReportError> {
 }
 
 fn view_page(v: &View) -> Result<String, ReportError> {
-    let body =
-        if v.rungs.is_empty() && v.diagnosis.is_none() { unfinished(&v.run) } else { identify::body(v) };
+    let body = if v.fitted_models.is_empty() && v.diagnosis.is_none() {
+        unfinished(&v.run)
+    } else {
+        identify::body(v)
+    };
     Ok(shell(&v.run, &body, &data::of(v)))
 }
 
@@ -124,12 +127,12 @@ fn code(text: &str) -> String {
 }
 
 /// A part that every rung has for itself; the page shows the chosen one.
-fn per_rung(v: &View, part: impl Fn(&Rung) -> String) -> String {
-    let one = |(k, r): (usize, &Rung)| {
+fn per_model(v: &View, part: impl Fn(&FittedModel) -> String) -> String {
+    let one = |(k, r): (usize, &FittedModel)| {
         let hidden = if k == v.shown { "" } else { " hidden" };
         format!("<div data-of=\"{k}\"{hidden}>\n{}</div>\n", part(r))
     };
-    v.rungs.iter().enumerate().map(one).collect()
+    v.fitted_models.iter().enumerate().map(one).collect()
 }
 
 /// A cell of a table.

@@ -2,7 +2,7 @@
 
 use super::answer::explained;
 use super::escape;
-use super::view::{Rung, View};
+use super::view::{FittedModel, View};
 use crate::peek::{number, rows, text};
 use crate::terminal::significant;
 use serde_json::Value;
@@ -13,8 +13,8 @@ pub type Place = (String, String, f64, char);
 /// Where the misfit sits, largest share first, of the model that is described: from its own curves, as the atlas below
 /// shows them. A diagnosis fits the base model in its own way, so what it tells is used only where no curves are.
 pub fn places(v: &View) -> Vec<Place> {
-    if let Some(rung) = described(v).filter(|r| !r.curves.is_empty()) {
-        let residuals: Vec<_> = rung.curves.iter().map(crate::Curve::residuals).collect();
+    if let Some(fitted_model) = described(v).filter(|r| !r.curves.is_empty()) {
+        let residuals: Vec<_> = fitted_model.curves.iter().map(crate::Curve::residuals).collect();
         let of = |(test, s): (String, diagnose::atlas::SegmentMisfit)| (test, s.segment, s.share, s.sign);
         return analysis::located(&residuals).into_iter().map(of).collect();
     }
@@ -27,8 +27,8 @@ pub fn places(v: &View) -> Vec<Place> {
 }
 
 /// The model whose misfit is described: of a ladder that explains the records the base, whose misfit was the question.
-pub fn described(v: &View) -> Option<&Rung> {
-    if v.rungs.len() > 1 && explained(v) { v.rungs.first() } else { v.current() }
+pub fn described(v: &View) -> Option<&FittedModel> {
+    if v.fitted_models.len() > 1 && explained(v) { v.fitted_models.first() } else { v.current() }
 }
 
 /// Camera channels that the model misses, and the worst if it is missed more than every force.

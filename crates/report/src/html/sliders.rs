@@ -1,7 +1,7 @@
 //! Sliders that need no server: the linear response by the derivatives that the run left.
 
-use super::view::{Rung, View};
-use super::{escape, per_rung};
+use super::view::{FittedModel, View};
+use super::{escape, per_model};
 use crate::answer::ParameterAnswer;
 use crate::terminal::readable_unit;
 use crate::{ReportError, StoredRun};
@@ -68,7 +68,7 @@ impl Response {
 
 /// One slider per parameter whose derivatives are in the page; the script fills in what moves.
 pub fn section(v: &View) -> String {
-    if v.rungs.iter().all(|r| movable(r).next().is_none()) {
+    if v.fitted_models.iter().all(|r| movable(r).next().is_none()) {
         return String::new();
     }
     format!(
@@ -76,11 +76,11 @@ pub fn section(v: &View) -> String {
          derivatives at the fit: a straight-line estimate, good for small moves. What it says exactly, the command beneath \
          computes.</p>\n{}<p class=\"readout\" id=\"moved\" role=\"status\"></p>\n<div class=\"tools\">\
          <button type=\"button\" id=\"back\">Back to the fit</button></div>\n<pre id=\"moved-command\" hidden></pre></section>\n",
-        per_rung(v, |r| movable(r).map(slider).collect())
+        per_model(v, |r| movable(r).map(slider).collect())
     )
 }
 
-fn movable(r: &Rung) -> impl Iterator<Item = &ParameterAnswer> {
+fn movable(r: &FittedModel) -> impl Iterator<Item = &ParameterAnswer> {
     r.answer.parameters.iter().filter(|p| r.response.paths.contains(&p.path) && p.value.is_finite())
 }
 

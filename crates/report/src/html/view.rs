@@ -12,7 +12,7 @@ use std::path::Path;
 const ANCESTORS: usize = 12;
 
 /// One model of the ladder: its answer and its curves.
-pub struct Rung {
+pub struct FittedModel {
     /// Effects in the model.
     pub answer: IdentifyAnswer,
     /// Its curves.
@@ -32,14 +32,14 @@ pub struct View {
     /// The run that the page is of.
     pub run: StoredRun,
     /// The ladder, base first; a single identification is a ladder of one.
-    pub rungs: Vec<Rung>,
+    pub fitted_models: Vec<FittedModel>,
     /// The rung shown first.
     pub shown: usize,
     /// Answer of `fct discover` or `fct diagnose`.
     pub diagnosis: Option<Value>,
 }
 
-impl Rung {
+impl FittedModel {
     /// A rung from the run directory of an identification.
     ///
     /// # Errors
@@ -63,9 +63,9 @@ impl Rung {
     }
 
     /// Reduced χ² with the record's noise alone, where it is large: the mesh's error hides what is left.
-    pub fn leans_on_the_mesh(&self) -> Option<f64> {
+    pub fn explained_with_mesh_error(&self) -> Option<f64> {
         let chi2 = self.number("reduced_chi2").unwrap_or(self.answer.reduced_chi2);
-        (chi2 > diagnose::LEANS).then_some(chi2)
+        (chi2 > diagnose::MESH_ERROR_ONLY).then_some(chi2)
     }
 
     /// Reduced χ² of the curves and tables shown, where the search judged its own, corrected, run otherwise by more than
@@ -123,21 +123,26 @@ impl View {
     /// # Errors
     /// If a file of the run, or of one that it was derived from, is damaged.
     pub fn of(run: &StoredRun, files: &Path) -> Result<Self, ReportError> {
-        let mut rungs: Vec<Rung> = match (run.info.command.as_str(), Rung::of(run, files)?) {
-            ("discover", _) => searched(run, files)?,
-            (_, Some(own)) => {
-                // An ancestor that cannot be read any more is no step of the staircase.
-                let chain = ancestors(run);
-                chain.iter().filter_map(|a| Rung::of(a, &a.path).ok().flatten()).chain([own]).collect()
-            }
-            // An unfinished run: its ancestors are not what was asked for.
-            (_, None) => Vec::new(),
-        };
-        let shown = rungs.len().saturating_sub(1);
-        if let Some(last) = rungs.last_mut()
+        let mut fitted_models: Vec<FittedModel> =
+            match (run.info.command.as_str(), FittedModel::of(run, files)?) {
+                ("discover", _) => searched(run, files)?,
+                (_, Some(own)) => {
+                    // An ancestor that cannot be read any more is no step of the staircase.
+                    let chain = ancestors(run);
+                    chain
+                        .iter()
+                        .filter_map(|a| FittedModel::of(a, &a.path).ok().flatten())
+                        .chain([own])
+                        .collect()
+                }
+                // An unfinished run: its ancestors are not what was asked for.
+                (_, None) => Vec::new(),
+            };
+        let shown = fitted_models.len().saturating_sub(1);
+        if let Some(last) = fitted_models.last_mut()
             && last.pictures.is_empty()
         {
-            last.pictures = Rung::of(run, files)?.map(|r| r.pictures).unwrap_or_default();
+            last.pictures = FittedModel::of(run, files)?.map(|r| r.pictures).unwrap_or_default();
         }
         let diagnosis = if run.info.command == "discover" {
             Some(run.answer.clone())
@@ -148,7 +153,7 @@ impl View {
                 None => ancestors(run).into_iter().find_map(|a| a.diagnosis().ok().flatten()),
             }
         };
-        Ok(Self { run: run.clone(), rungs, shown, diagnosis })
+        Ok(Self { run: run.clone(), fitted_models, shown, diagnosis })
     }
 
     /// A ladder over several runs of one specimen, ordered as `fct ladder` orders them.
@@ -164,47 +169,47 @@ impl View {
             path: Default::default(),
             reason: "no run directory was named".into(),
         })?;
-        let mut rungs = Vec::new();
+        let mut fitted_models = Vec::new();
         for run in runs {
-            let rung = Rung::of(run, &run.path)?
+            let fitted_model = FittedModel::of(run, &run.path)?
                 .ok_or_else(|| not(run, "expected a finished run of `fct identify`"))?;
             if run.answer.get("specimen") != first.answer.get("specimen") {
                 return Err(not(run, "this run is of another specimen than the first"));
             }
-            rungs.push((rung, run));
+            fitted_models.push((fitted_model, run));
         }
-        rungs.sort_by(|(a, _), (b, _)| {
+        fitted_models.sort_by(|(a, _), (b, _)| {
             (a.answer.effects.len().cmp(&b.answer.effects.len())).then(b.rms().total_cmp(&a.rms()))
         });
-        let run = rungs.last().map_or(first, |r| r.1).clone();
-        let base = rungs.first().map_or(first, |r| r.1);
+        let run = fitted_models.last().map_or(first, |r| r.1).clone();
+        let base = fitted_models.first().map_or(first, |r| r.1);
         let diagnosis = base.diagnosis()?;
-        let shown = rungs.len().saturating_sub(1);
-        let rungs = rungs.into_iter().map(|r| r.0).collect();
-        Ok(Self { run, rungs, shown, diagnosis })
+        let shown = fitted_models.len().saturating_sub(1);
+        let fitted_models = fitted_models.into_iter().map(|r| r.0).collect();
+        Ok(Self { run, fitted_models, shown, diagnosis })
     }
 
     /// The rung shown first.
-    pub fn current(&self) -> Option<&Rung> {
-        self.rungs.get(self.shown)
+    pub fn current(&self) -> Option<&FittedModel> {
+        self.fitted_models.get(self.shown)
     }
 }
 
 /// The rungs that `fct discover` stored, with the search's own judgement of each.
-fn searched(run: &StoredRun, files: &Path) -> Result<Vec<Rung>, ReportError> {
+fn searched(run: &StoredRun, files: &Path) -> Result<Vec<FittedModel>, ReportError> {
     let rows = run.answer.get("ladder").and_then(Value::as_array).cloned().unwrap_or_default();
-    let mut rungs = Vec::new();
+    let mut fitted_models = Vec::new();
     for (k, row) in rows.into_iter().enumerate() {
         let place = files.join("rungs").join(k.to_string());
         // A rung that could not be computed was not stored.
         if place.is_dir()
-            && let Some(rung) = Rung::of(&StoredRun::read(&place)?, &place)?
+            && let Some(fitted_model) = FittedModel::of(&StoredRun::read(&place)?, &place)?
         {
             let own = quoted_path(&run.path.join("rungs").join(k.to_string()));
-            rungs.push(Rung { judged: Some(row), run: own, ..rung });
+            fitted_models.push(FittedModel { judged: Some(row), run: own, ..fitted_model });
         }
     }
-    Ok(rungs)
+    Ok(fitted_models)
 }
 
 /// The runs that this one was derived from (`fct add` keeps the parent), oldest first.

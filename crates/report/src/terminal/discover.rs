@@ -75,9 +75,9 @@ pub fn discover(answer: &Value, style: Style) -> String {
 const MARKS: &str = "p: the chance of so much without the effect, with the noise as estimated. Called for: decided with noise as \
                      correlated as these records allow; if large: only in more than a plausible amount.";
 
-fn ladder(rungs: &[Value], style: Style) -> String {
-    let most = rungs.iter().filter_map(|r| number(r, "rms_N")).fold(f64::MIN_POSITIVE, f64::max);
-    let lines = rungs.iter().map(|r| {
+fn ladder(fitted_models: &[Value], style: Style) -> String {
+    let most = fitted_models.iter().filter_map(|r| number(r, "rms_N")).fold(f64::MIN_POSITIVE, f64::max);
+    let lines = fitted_models.iter().map(|r| {
         let names = list(r, "effects");
         let share = number(r, "rms_N").unwrap_or(0.0) / most;
         vec![

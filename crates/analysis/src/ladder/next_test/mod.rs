@@ -5,7 +5,7 @@ pub(crate) mod extension;
 use super::{FeLadder, Fitted};
 use crate::columns::transfer;
 use crate::cost::Phase;
-use crate::data::Slot;
+use crate::data::DataBlock;
 use crate::problem::FeProblem;
 use diagnose::Discovery;
 use diagnose::power::{noncentrality, power};
@@ -56,7 +56,7 @@ pub struct NextTest {
 }
 
 /// What a rival says of an addition: its forces there, and their derivatives.
-struct Said(Vec<(Data, Prediction)>);
+struct Predicted(Vec<(Data, Prediction)>);
 
 impl FeLadder<'_> {
     /// What separates the members of the first group with rivals: simulated, or, where nothing helps or nothing could be
@@ -68,7 +68,7 @@ impl FeLadder<'_> {
         let with = |e: &String| {
             let mut effects = d.found.clone();
             effects[at].clone_from(e);
-            self.rungs.get(&Self::key(&effects)).map(|f| (e.clone(), f))
+            self.fitted_models.get(&Self::key(&effects)).map(|f| (e.clone(), f))
         };
         let rivals: Vec<(String, &Fitted)> = group.iter().filter_map(with).take(MOST_RIVALS).collect();
         let tried = if rivals.len() > 1 { self.powers(&rivals) } else { Vec::new() };
@@ -106,7 +106,7 @@ impl FeLadder<'_> {
     fn powers(&self, rivals: &[(String, &Fitted)]) -> Vec<Tried> {
         (self.progress)("what would tell the rivals apart: simulating additions to the protocol");
         let one = |x: &Extension| {
-            let said: Option<Vec<Said>> = rivals.par_iter().map(|r| self.said(r.1, x)).collect();
+            let said: Option<Vec<Predicted>> = rivals.par_iter().map(|r| self.said(r.1, x)).collect();
             // No better known than to a part in a thousand.
             let least = (1e3 * self.least_power(rivals, &said?)).round() / 1e3;
             Some(Tried { proposal: x.words.clone(), seconds: x.seconds, expected_power: least })
@@ -124,7 +124,7 @@ impl FeLadder<'_> {
     }
 
     /// The least power over all pairs, either of which may be the truth.
-    fn least_power(&self, rivals: &[(String, &Fitted)], said: &[Said]) -> f64 {
+    fn least_power(&self, rivals: &[(String, &Fitted)], said: &[Predicted]) -> f64 {
         let mut least = 1.0f64;
         for (i, truth) in said.iter().enumerate() {
             for (j, rival) in said.iter().enumerate().filter(|(j, _)| *j != i) {
@@ -135,13 +135,19 @@ impl FeLadder<'_> {
     }
 
     /// χ² by which a rival misses the new data of a truth.
-    fn lambda(&self, truth: &Said, rival: &Said, f: &Fitted) -> f64 {
-        let old = Whitened::new(&self.measured.data, &f.frees, &f.fit.theta, &f.fit.prediction, Noise::Total);
-        let (mut d, mut new) = (Vec::new(), DMatrix::zeros(0, f.frees.len()));
+    fn lambda(&self, truth: &Predicted, rival: &Predicted, f: &Fitted) -> f64 {
+        let old = Whitened::new(
+            &self.measured.data,
+            &f.free_parameters,
+            &f.fit.theta,
+            &f.fit.prediction,
+            Noise::Total,
+        );
+        let (mut d, mut new) = (Vec::new(), DMatrix::zeros(0, f.free_parameters.len()));
         for ((data, said), (_, true_said)) in rival.0.iter().zip(&truth.0) {
             let mut data = data.clone();
             data.blocks[0].measured = true_said.values.iter().copied().collect();
-            let white = Whitened::new(&data, &f.frees, &f.fit.theta, said, Noise::Record);
+            let white = Whitened::new(&data, &f.free_parameters, &f.fit.theta, said, Noise::Record);
             let rows = white.rows.len();
             d.extend(white.r.iter().take(rows));
             let above = new.nrows();
@@ -152,8 +158,8 @@ impl FeLadder<'_> {
     }
 
     /// A rival on an addition; `None` where it cannot be computed.
-    fn said(&self, f: &Fitted, x: &Extension) -> Option<Said> {
-        x.parts.iter().map(|p| self.said_of(f, p)).collect::<Option<Vec<_>>>().map(Said)
+    fn said(&self, f: &Fitted, x: &Extension) -> Option<Predicted> {
+        x.parts.iter().map(|p| self.said_of(f, p)).collect::<Option<Vec<_>>>().map(Predicted)
     }
 
     fn said_of(&self, f: &Fitted, part: &Part) -> Option<(Data, Prediction)> {
@@ -165,9 +171,9 @@ impl FeLadder<'_> {
         let free = f.free.iter().map(path).collect::<Option<Vec<usize>>>()?;
         let rows: Vec<usize> = part.channel.of(&part.record).iter().map(|m| m.0).collect();
         let new: Vec<bool> = rows.iter().map(|r| part.rows.contains(r)).collect();
-        let slots = [Slot { test: part.test, channel: part.channel, rows }];
+        let slots = [DataBlock { test: part.test, channel: part.channel, rows }];
         let mut problem = FeProblem::new(&model, theta, free, &slots, self.options, self.cancelled);
-        problem.options.march.budget = crate::identify::TRIAL_BUDGET;
+        problem.options.stepping.budget = crate::identify::TRIAL_BUDGET;
         self.runs.fetch_add(1, Ordering::Relaxed);
         let prediction = problem.predict(&f.fit.theta, true).ok()?;
         let noise = self.noise_like(part)?;
@@ -182,7 +188,7 @@ impl FeLadder<'_> {
         if let Some(sd) = part.sd {
             return Some(NoiseModel::white(sd));
         }
-        let mine = |s: &Slot| s.test == part.test && s.channel == Channel::Force;
+        let mine = |s: &DataBlock| s.test == part.test && s.channel == Channel::Force;
         let block = self.measured.slots.iter().position(mine)?;
         let noise = &self.measured.data.blocks[block].noise;
         Some(NoiseModel::ar1(noise.sd, noise.ar1))

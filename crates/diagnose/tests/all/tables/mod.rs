@@ -7,9 +7,9 @@ use diagnose::*;
 pub const POINTS: f64 = 720.0;
 
 /// A fitted rung of this χ², nothing held out and no structure left.
-pub fn rung(effects: &[&str], chi2: f64, parameters: usize) -> Rung {
+pub fn fitted_model(effects: &[&str], chi2: f64, parameters: usize) -> FittedModel {
     let freedom = POINTS - parameters as f64;
-    Rung {
+    FittedModel {
         effects: effects.iter().map(|e| (*e).to_owned()).collect(),
         parameters,
         points: POINTS as usize,

@@ -161,8 +161,8 @@ impl Page {
     }
 
     /// The value that a JavaScript promise comes to.
-    pub fn ask_later(&mut self, promise: &str) -> Outcome<Value> {
-        let params = json!({ "expression": promise, "awaitPromise": true, "returnByValue": true });
+    pub fn ask_later(&mut self, expression: &str) -> Outcome<Value> {
+        let params = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
         Ok(self.call("Runtime.evaluate", params)?["result"]["value"].clone())
     }
 

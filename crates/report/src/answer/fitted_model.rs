@@ -40,18 +40,18 @@ impl Evaluator<'_> {
     ///
     /// # Errors
     /// If it cannot be computed on either, or `watch` stops it.
-    pub fn rung(
+    pub fn fitted_model(
         &self,
-        rung: &Case,
+        fitted_model: &Case,
         watch: &dyn Watch,
         told: impl FnOnce(&AnalysisError),
     ) -> Result<Evaluated, AnalysisError> {
-        self.evaluate(rung, FINE, watch).or_else(|why| {
+        self.evaluate(fitted_model, FINE, watch).or_else(|why| {
             if watch.stops() {
                 return Err(why);
             }
             told(&why);
-            self.evaluate(&coarser(rung), COARSE, watch)
+            self.evaluate(&coarser(fitted_model), COARSE, watch)
         })
     }
 
@@ -79,17 +79,17 @@ impl Evaluator<'_> {
 }
 
 /// The case of a rung: its effects, and the found values as start.
-pub fn rung_case(case: &Case, row: &LadderRow, parent: Option<&Path>) -> Case {
-    let mut rung = case.clone();
-    rung.effects.clone_from(&row.forms);
-    analysis::start_at(&mut rung, row.values.iter().map(|(p, v)| (p.as_str(), *v)));
+pub fn fitted_case(case: &Case, row: &LadderRow, parent: Option<&Path>) -> Case {
+    let mut fitted_model = case.clone();
+    fitted_model.effects.clone_from(&row.forms);
+    analysis::start_at(&mut fitted_model, row.values.iter().map(|(p, v)| (p.as_str(), *v)));
     // Its run.toml gives these values, and what is expected stands around them.
-    rung.identify.priors.around.clear();
-    rung.identify.mode = Mode::Joint;
+    fitted_model.identify.priors.around.clear();
+    fitted_model.identify.mode = Mode::Joint;
     // As the search did it: refitting without them would be another question.
-    rung.identify.priors.literature.get_or_insert(true);
-    rung.parent = parent.map(|p| p.display().to_string());
-    rung
+    fitted_model.identify.priors.literature.get_or_insert(true);
+    fitted_model.parent = parent.map(|p| p.display().to_string());
+    fitted_model
 }
 
 /// The case with elements twice as large, as the search has them.

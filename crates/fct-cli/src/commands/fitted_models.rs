@@ -1,10 +1,10 @@
-//! The rungs of a search as run directories of their own, `rungs/<n>/` in the search's: each model at
+//! The rungs of a search as run directories of their own, `fitted_models/<n>/` in the search's: each model at
 //! the values the search found, run once on the file's mesh, so that curves, intervals and energies of
 //! every rung can be looked at and continued from.
 
 use crate::session::Session;
-use ::report::answer::{Evaluated, Evaluator, rung_case};
-use ::report::{Begin, Published, ReportError, RunDir, store_rung};
+use ::report::answer::{Evaluated, Evaluator, fitted_case};
+use ::report::{Begin, Published, ReportError, RunDir, store_fitted_model};
 use analysis::{DiscoverAnswer, Phase, Watch};
 use input::Case;
 use std::sync::Arc;
@@ -31,17 +31,17 @@ pub fn store(
         }
         let place = dir.place().join("rungs");
         let parent = k.checked_sub(1).map(|b| place.join(b.to_string()));
-        let rung = rung_case(case, row, parent.as_deref());
+        let fitted_model = fitted_case(case, row, parent.as_deref());
         let evaluator =
             Evaluator { published: published.as_ref(), catalogue: &session.catalogue, journal: &journal };
-        let done = evaluator.rung(&rung, watch, |why| {
+        let done = evaluator.fitted_model(&fitted_model, watch, |why| {
             session.say(&format!("rung {k}: {why}; it is computed on the search's coarser mesh instead"));
         });
         match done {
             Ok(top) => {
                 let part = RunDir::begin(&dir.part().join("rungs").join(k.to_string()), Begin::default())?;
-                let info = session.info("identify", &rung, true);
-                store_rung(&part, &top.done, &rung, &top.replayed, &top.answer, &info)?;
+                let info = session.info("identify", &fitted_model, true);
+                store_fitted_model(&part, &top.done, &fitted_model, &top.replayed, &top.answer, &info)?;
                 part.finish()?;
                 last = (k + 1 == answer.ladder.len()).then_some(top);
             }
@@ -60,7 +60,7 @@ mod tests {
 
     /// A form that the search chose (two branches, say) is not lost on the way to the rung's `run.toml`.
     #[test]
-    fn a_rung_has_the_form_that_was_fitted() -> Result<(), Box<dyn std::error::Error>> {
+    fn a_fitted_model_has_the_form_that_was_fitted() -> Result<(), Box<dyn std::error::Error>> {
         let catalogue = effects::catalogue();
         let folder = tempfile::tempdir()?;
         let (base, formed) = (folder.path().join("base.toml"), folder.path().join("formed.toml"));
@@ -84,9 +84,9 @@ mod tests {
             values: [("effects.viscoelastic.g2".to_owned(), 0.2)].into(),
             forms: forms.clone(),
         };
-        let rung = rung_case(&case, &row, None);
-        assert_eq!(rung.effects[0].options, forms[0].options);
-        assert_eq!(rung.effects[0].parameters["g2"].value, Some(0.2));
+        let fitted_model = fitted_case(&case, &row, None);
+        assert_eq!(fitted_model.effects[0].options, forms[0].options);
+        assert_eq!(fitted_model.effects[0].parameters["g2"].value, Some(0.2));
         Ok(())
     }
 }

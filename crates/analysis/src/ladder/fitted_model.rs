@@ -2,13 +2,13 @@
 
 use super::{FeLadder, Fitted};
 use crate::held_out::held_out;
-use diagnose::Rung;
+use diagnose::FittedModel;
 use inverse::{Noise, Whitened};
 use model::Channel;
 
 impl FeLadder<'_> {
     /// The rung of a fit.
-    pub fn rung(&self, effects: &[String], f: &Fitted) -> Rung {
+    pub fn fitted_model(&self, effects: &[String], f: &Fitted) -> FittedModel {
         let misfit = self.measured.data.misfit(&f.fit.prediction.values);
         let mut force = Vec::new();
         for (slot, block) in self.measured.slots.iter().zip(&self.measured.data.blocks) {
@@ -18,14 +18,19 @@ impl FeLadder<'_> {
                 );
             }
         }
-        let white =
-            Whitened::new(&self.measured.data, &f.frees, &f.fit.theta, &f.fit.prediction, Noise::Total);
+        let white = Whitened::new(
+            &self.measured.data,
+            &f.free_parameters,
+            &f.fit.theta,
+            &f.fit.prediction,
+            Noise::Total,
+        );
         let rows = white.rows.len();
         let structure = diagnose::atlas::structure_p(white.r.rows(0, rows).into_owned().as_slice());
-        let rung = Rung::new(effects, &f.quality, inverse::rms(force), structure);
+        let fitted_model = FittedModel::new(effects, &f.quality, inverse::rms(force), structure);
         match held_out(&self.case, &self.measured, &white, &f.fit.at_bound) {
-            Some(h) => rung.held_out(h.chi2, h.points, h.rms),
-            None => rung,
+            Some(h) => fitted_model.held_out(h.chi2, h.points, h.rms),
+            None => fitted_model,
         }
     }
 }
