@@ -4,13 +4,14 @@ use crate::compare::{self, Where};
 use crate::cost::PhaseCost;
 use crate::identify::AnalysisError;
 use crate::journal::{Journal, Recent};
+use crate::ladder::laws::other_laws;
 use crate::ladder::{Adds, FeLadder, LadderSettings, NextTest, Weighed};
 use crate::parsimony::OneStrength;
 use crate::probable::{Left, PosteriorAnswer};
 use crate::problem::Cancelled;
 use crate::told;
 use diagnose::{Finding, FittedModel, Policy, Screen, Verdict};
-use input::{Case, EffectConfig};
+use input::{BulkConfig, Case, EffectConfig, InterfaceConfig};
 use model::Catalogue;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -70,6 +71,12 @@ pub struct LadderRow {
     /// The effects of the model with the form they were fitted in.
     #[serde(skip)]
     pub forms: Vec<EffectConfig>,
+    /// Its law of the tissue where that is not the file's.
+    #[serde(skip)]
+    pub bulk: Option<BulkConfig>,
+    /// Its law of the tear likewise.
+    #[serde(skip)]
+    pub interface: Option<InterfaceConfig>,
 }
 
 /// Answer of `fct diagnose` and `fct discover`.
@@ -168,6 +175,7 @@ pub(crate) fn ladder_row(l: &FeLadder, r: &FittedModel) -> LadderRow {
     let values = fitted.map_or_else(BTreeMap::new, |f| {
         f.free.iter().map(|&i| (f.model.parameters[i].path.clone(), f.theta[i])).collect()
     });
+    let case = fitted.map(|f| &f.model.case);
     LadderRow {
         effects: r.effects.clone(),
         parameters: r.parameters,
@@ -178,6 +186,8 @@ pub(crate) fn ladder_row(l: &FeLadder, r: &FittedModel) -> LadderRow {
         bic: r.bic,
         values,
         forms: fitted.map_or_else(Vec::new, |f| f.model.case.effects.clone()),
+        bulk: case.map(|c| c.bulk.clone()).filter(|b| b.law != l.case().bulk.law),
+        interface: case.map(|c| c.interface.clone()).filter(|i| i.law != l.case().interface.law),
     }
 }
 
@@ -249,6 +259,6 @@ pub fn discover(
     let mut ladder = FeLadder::weighing(case, how)?;
     let weighed = ladder.weighed()?;
     let next_test = ladder.next_test(&weighed.discovery);
-    let words = told::words(&weighed);
+    let words = told::words(&weighed, &other_laws(ladder.case(), catalogue));
     Ok(DiscoverAnswer { words, next_test, ..answer(&ladder, weighed, start, &policy) })
 }

@@ -105,7 +105,7 @@ pub(crate) fn probable_with_models(
     ladder: &FeLadder,
 ) -> Result<(Probable, Posterior, Vec<Judged>), EvidenceError> {
     let base = ladder.fitted_models.get(&Vec::new()).ok_or(EvidenceError::Empty)?;
-    let beliefs = Beliefs::of(&ladder.case().diagnose, ladder.catalogue());
+    let beliefs = Beliefs::of(ladder.case(), ladder.catalogue());
     let measured = ladder.measured.as_estimated(&base.model).unwrap_or_else(|_| ladder.measured.clone());
     let scale =
         Scale::new(&measured, ladder.fitted_models.values().map(AtFit::from), ladder.catalogue(), &beliefs)?;

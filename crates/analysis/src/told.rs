@@ -12,9 +12,9 @@ const WORTH: f64 = 0.05;
 /// A change of a probability, by other scales of what is believed, that is said.
 const MOVES: f64 = 0.02;
 
-/// The verdict, the probabilities behind it, what they depend on, what is left.
-pub(crate) fn words(weighed: &Weighed) -> Vec<String> {
-    let mut out = vec![verdict(&weighed.discovery, &weighed.probable.posterior)];
+/// The verdict, the probabilities behind it, what they depend on, what is left. Names of `laws` are said to be laws.
+pub(crate) fn words(weighed: &Weighed, laws: &[String]) -> Vec<String> {
+    let mut out = vec![verdict(&weighed.discovery, &weighed.probable.posterior, laws)];
     out.extend(probabilities(&weighed.probable));
     out
 }
@@ -28,7 +28,9 @@ pub(crate) fn probabilities(probable: &Probable) -> Vec<String> {
     out
 }
 
-fn verdict(d: &Discovery, p: &PosteriorAnswer) -> String {
+fn verdict(d: &Discovery, p: &PosteriorAnswer, laws: &[String]) -> String {
+    let called = |name: &String| if laws.contains(name) { format!("the law `{name}`") } else { name.clone() };
+    let joined = |names: &[String], word: &str| joined(&names.iter().map(called).collect::<Vec<_>>(), word);
     let rms = |k: usize| d.ladder.get(k).map_or(0.0, |r| r.rms);
     let (first, last) = (rms(0), rms(d.ladder.len().saturating_sub(1)));
     let fall = format!("the misfit falls from {} to {} N", short(first), short(last));

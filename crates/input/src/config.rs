@@ -227,11 +227,13 @@ pub struct DiagnoseConfig {
     pub practice: f64,
     /// How many effects of the catalogue are expected to act (0.7).
     pub expected_effects: f64,
+    /// Whether other laws of bulk and tear are candidates beside the effects (no).
+    pub laws: bool,
 }
 
 impl Default for DiagnoseConfig {
     fn default() -> Self {
-        Self { rest: 0.015, practice: 0.02, expected_effects: 0.7 }
+        Self { rest: 0.015, practice: 0.02, expected_effects: 0.7, laws: false }
     }
 }
 

@@ -15,6 +15,8 @@ pub enum EditError {
     Absent(String),
     /// `effects` is not a table.
     NotATable,
+    /// A section is not a table.
+    NoTable(String),
 }
 
 impl fmt::Display for EditError {
@@ -24,6 +26,7 @@ impl fmt::Display for EditError {
             Self::Present(name) => write!(f, "effect `{name}` is already in the file"),
             Self::Absent(name) => write!(f, "effect `{name}` is not in the file"),
             Self::NotATable => write!(f, "`effects` is not a table"),
+            Self::NoTable(name) => write!(f, "`{name}` is not a table"),
         }
     }
 }
@@ -84,6 +87,41 @@ pub fn add_effect(
         effect.decor_mut().set_prefix(format!("\n{}", comment(reason)));
     }
     table.insert(name, Item::Table(effect));
+    Ok(doc.to_string())
+}
+
+/// Has `[bulk]` or `[interface]` (`section`) name another law, with a comment with the reason. Keys of the names in `gone`,
+/// in whatever unit, are taken out: the new law has no such parameter, or means something else by it.
+///
+/// # Errors
+/// If the text is not TOML, or the section is no table.
+pub fn choose_law(
+    text: &str,
+    section: &str,
+    law: &str,
+    gone: &[String],
+    reason: &str,
+) -> Result<String, EditError> {
+    let mut doc = document(text)?;
+    let item = doc.entry(section).or_insert_with(|| Item::Table(Table::new()));
+    let table = item.as_table_like_mut().ok_or_else(|| EditError::NoTable(section.to_owned()))?;
+    let named = |key: &str, name: &str| {
+        key.strip_prefix(name).is_some_and(|unit| unit.is_empty() || unit.starts_with('_'))
+    };
+    let keys: Vec<String> = table.iter().map(|(key, _)| key.to_owned()).collect();
+    for key in keys.iter().filter(|key| gone.iter().any(|name| named(key, name))) {
+        table.remove(key);
+    }
+    let mut chosen = value(law);
+    if let Some(v) = chosen.as_value_mut() {
+        let inline = item.is_inline_table();
+        if !inline {
+            v.decor_mut().set_suffix(format!("  # {}", one_line(reason)));
+        }
+    }
+    if let Some(table) = doc.get_mut(section).and_then(Item::as_table_like_mut) {
+        table.insert("law", chosen);
+    }
     Ok(doc.to_string())
 }
 

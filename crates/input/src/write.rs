@@ -306,6 +306,7 @@ fn diagnose(w: &mut Writer, d: &DiagnoseConfig) {
     w.number("rest", Quantity::Dimensionless, d.rest);
     w.number("practice", Quantity::Dimensionless, d.practice);
     w.number("expected_effects", Quantity::Dimensionless, d.expected_effects);
+    w.line("laws", &d.laws.to_string());
 }
 
 fn solver(w: &mut Writer, s: &SolverConfig) {

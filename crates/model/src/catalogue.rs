@@ -126,6 +126,12 @@ impl Catalogue {
     pub fn get(&self, name: &str) -> Option<&Arc<dyn Effect>> {
         self.effects.iter().find(|e| e.card().name == name)
     }
+
+    /// The site of a law of this name; nothing for an effect.
+    pub fn site_of_law(&self, name: &str) -> Option<LawSite> {
+        let has = |site: &LawSite| self.law_names(*site).iter().any(|n| n == name);
+        [LawSite::Bulk, LawSite::Interface].into_iter().find(has).filter(|_| self.get(name).is_none())
+    }
 }
 
 impl LawRegistry for Catalogue {

@@ -25,7 +25,7 @@ impl Work<'_> {
     ) -> Result<Unexplained, EvidenceError> {
         let at =
             AtFit { model: answer.fine, theta: &self.theta, free_parameters: &answer.free_parameters, fit };
-        let beliefs = Beliefs::of(&self.case.diagnose, catalogue);
+        let beliefs = Beliefs::of(self.case, catalogue);
         let scale = Scale::new(measured, std::iter::once(at), catalogue, &beliefs)?;
         let linear = scale.linear(at)?;
         let evidence = scale.evidence(&linear)?;

@@ -38,7 +38,9 @@ impl FeLadder<'_> {
     ) -> Result<Fitted, AnalysisError> {
         let mut best: Result<Fitted, AnalysisError> = Err(AnalysisError::Case("no base fit".into()));
         for begin in [Begin::Screened, Begin::Nearer, Begin::OffBounds] {
-            if begin == Begin::OffBounds && best.is_ok() {
+            // A law has no neutral value to begin nearer to.
+            let alone = begin == Begin::Nearer && self.laws_alone(effects);
+            if best.is_ok() && (begin == Begin::OffBounds || alone) {
                 break;
             }
             let Some(base) = self.nearest(key) else { break };
@@ -68,9 +70,11 @@ impl FeLadder<'_> {
         base: &Fitted,
         share: f64,
     ) -> Result<(Model, Vec<f64>), AnalysisError> {
-        let case = case_with(&self.case, &self.configs(effects, hints, base, share));
+        let laws = self.case_with_laws(effects);
+        let case = case_with(&laws, &self.configs(effects, hints, base, share));
         let model = Model::new(Arc::new(case), self.catalogue, self.how)?;
-        let theta = transfer(&base.model, &base.theta, &model);
+        let mut theta = transfer(&base.model, &base.theta, &model);
+        self.start_other_bulk(&base.model, &model, &mut theta)?;
         Ok((model, theta))
     }
 
@@ -120,6 +124,9 @@ impl FeLadder<'_> {
         let Ok((model, _)) = self.begun(effects, &diagnose::Hints::new(), base, 1.0) else {
             return first;
         };
+        if model.case.bulk.law != bare.model.case.bulk.law {
+            return first;
+        }
         let theta = transfer(&bare.model, &self.first, &model);
         (self.progress)(&format!(
             "{}: once more from where the record's own start is",

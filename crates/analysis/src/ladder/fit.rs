@@ -7,9 +7,11 @@ use crate::identify::{AnalysisError, free_parameters};
 use crate::journal::{Asked, remembered};
 use crate::problem::FeProblem;
 use crate::{priors, start};
+use input::Case;
 use inverse::{FitOptions, Iterate, Objective, quality};
 use model::Model;
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 /// Relative fall of χ² that is worth another step of the search. Steps are as long as they are safe: a little fall
@@ -38,6 +40,11 @@ impl FeLadder<'_> {
     /// Values that a search from the record alone would begin with: no fit has bent them.
     pub(super) fn unbent(&self) -> Result<Vec<f64>, AnalysisError> {
         let model = Model::new(self.case.clone(), self.catalogue, self.how)?;
+        self.from_record(&self.case, &model)
+    }
+
+    /// Values of a model that a search from the record alone would begin with, by a case of the same laws.
+    pub(super) fn from_record(&self, case: &Arc<Case>, model: &Model) -> Result<Vec<f64>, AnalysisError> {
         let mut theta = model.theta();
         let say = self.progress;
         let shown = |p: &crate::Progress| {
@@ -46,8 +53,8 @@ impl FeLadder<'_> {
         };
         let quiet = crate::Control { progress: &shown, cancelled: self.cancelled, journal: self.journal };
         self.cancelled.phase(Phase::Start);
-        if let Some(start) = start::for_case(&self.case, self.catalogue, self.options, &quiet)? {
-            start::spread(&model, &start, &mut theta);
+        if let Some(start) = start::for_case(case, self.catalogue, self.options, &quiet)? {
+            start::spread(model, &start, &mut theta);
         }
         Ok(theta)
     }
@@ -64,7 +71,7 @@ impl FeLadder<'_> {
     /// Free parameters as a fit sees them.
     pub(super) fn free_parameters(&self, model: &Model, theta: &[f64], free: &[usize]) -> Vec<inverse::Free> {
         let mut list = free_parameters(model, theta, free);
-        priors::add(&mut list, &self.case, self.case.identify.priors.literature.unwrap_or(false));
+        priors::add(&mut list, &model.case, self.case.identify.priors.literature.unwrap_or(false));
         list
     }
 
@@ -102,7 +109,7 @@ impl FeLadder<'_> {
                 max_step: 0.7,
             };
             let progress = self.progress;
-            let names = super::named(&model.effects());
+            let names = super::named(&self.parts_of(&model));
             let far = LITTLE * self.fitted_models.get(&Vec::new()).map_or(f64::INFINITY, |f| f.fit.f);
             let mut last = f64::INFINITY;
             let mut watch = |i: &Iterate| {

@@ -9,6 +9,7 @@ mod decided;
 mod fit;
 mod fitted_model;
 mod forms;
+pub(crate) mod laws;
 pub(crate) mod next_test;
 mod settle;
 mod weighing;
@@ -183,10 +184,10 @@ impl FeLadder<'_> {
 
     /// Whether these effects may stand together.
     pub(crate) fn compatible(&self, effects: &[String]) -> bool {
-        effects.iter().all(|a| {
-            self.catalogue
-                .get(a)
-                .is_some_and(|e| !effects.iter().any(|b| e.card().excludes.contains(&b.as_str())))
+        let site = |name: &String| self.catalogue.site_of_law(name);
+        effects.iter().all(|a| match self.catalogue.get(a) {
+            Some(e) => !effects.iter().any(|b| e.card().excludes.contains(&b.as_str())),
+            None => site(a).is_some_and(|own| effects.iter().filter(|b| site(b) == Some(own)).count() == 1),
         })
     }
 

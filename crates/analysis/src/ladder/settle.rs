@@ -81,6 +81,8 @@ impl FeLadder<'_> {
     ) -> Result<Option<(Fitted, FineStates)>, AnalysisError> {
         let mut case = (*self.fine_case).clone();
         case.effects.clone_from(&begun.model.case.effects);
+        case.bulk.clone_from(&begun.model.case.bulk);
+        case.interface.clone_from(&begun.model.case.interface);
         let fine = Model::new(Arc::new(case), self.catalogue, Discretisation::default())?;
         let theta = transfer(&begun.model, &begun.theta, &fine);
         let slots = &self.measured.slots;
@@ -103,7 +105,7 @@ impl FeLadder<'_> {
             FitOptions { objective: Objective::Record, max_iterations: rounds, ..FitOptions::default() };
         let inner = FitOptions { max_iterations: 16, tolerance: 1e-4, ..outer.clone() };
         let how = MappedOptions { outer, inner, settled: SETTLED };
-        let name = named(&model.effects());
+        let name = named(&self.parts_of(&model));
         let say = self.progress;
         let mut told = |i: &Iterate| {
             say(&format!("{name}, file's mesh: iteration {}, χ² {:?}", i.iteration, i.f));

@@ -6,6 +6,7 @@
 
 use super::decided::Probabilities;
 use super::fit::FAR;
+use super::laws::other_laws;
 use super::settle::{Begun, ROUNDS};
 use super::{FeLadder, Fitted, LadderSettings, named};
 use crate::columns::transfer;
@@ -115,29 +116,32 @@ impl<'a> FeLadder<'a> {
             }
             (self.progress)(found.sentence().trim_end_matches('.'));
             if std::mem::take(&mut first) {
-                let singles = self.singles(&found, &models);
+                let mut singles = self.singles(&found, &models);
+                singles.extend(other_laws(&self.case, self.catalogue).into_iter().map(|law| vec![law]));
                 self.fit_sets(&singles)?;
                 self.begin_again(&singles)?;
                 continue;
             }
-            let leading: Vec<Vec<String>> =
+            let leads: Vec<Vec<String>> =
                 leading(&posterior).into_iter().filter(|s| self.fitted_models.contains_key(s)).collect();
             let unsettled: Vec<Vec<String>> =
-                leading.iter().filter(|s| !self.fitted_models[*s].settled).cloned().collect();
+                leads.iter().filter(|s| !self.fitted_models[*s].settled).cloned().collect();
             if !unsettled.is_empty() {
                 self.settle_sets(&unsettled)?;
                 continue;
             }
-            let unscreened: Vec<Vec<String>> = (leading.into_iter())
-                .filter(|s| s.len() < LARGEST && !self.screened.contains_key(s))
-                .collect();
+            let unscreened: Vec<&Vec<String>> =
+                (leads.iter()).filter(|s| s.len() < LARGEST && !self.screened.contains_key(*s)).collect();
             for set in &unscreened {
                 self.columns_at(set)?;
             }
             if !unscreened.is_empty() {
                 continue;
             }
+            let noise = found.left.explained_to == evidence::ExplainedTo::Noise;
+            let beside = if noise { Vec::new() } else { self.with_other_laws(&leads) };
             let open: Vec<Vec<String>> = (evidence::to_fit(&posterior, &models).into_iter())
+                .chain(beside)
                 .filter(|s| {
                     s.len() <= LARGEST && !self.fitted_models.contains_key(s) && !self.failed.contains_key(s)
                 })

@@ -30,11 +30,13 @@ pub(crate) struct Beliefs {
 }
 
 impl Beliefs {
-    /// What `[diagnose]` says, for the effects of a catalogue.
-    pub fn of(config: &DiagnoseConfig, catalogue: &Catalogue) -> Self {
+    /// What the `[diagnose]` of a case says, for the effects of a catalogue and the laws that are candidates.
+    pub fn of(case: &Case, catalogue: &Catalogue) -> Self {
+        let config = &case.diagnose;
         let (rest, usual) = (RestPrior::default(), DiagnoseConfig::default().rest);
         let effects = catalogue.iter().filter(|e| !e.card().negative_control).count();
-        let sets = SetPrior { expected: config.expected_effects, ..SetPrior::of_catalogue(effects) };
+        let causes = effects + crate::ladder::laws::other_laws(case, catalogue).len();
+        let sets = SetPrior { expected: config.expected_effects, ..SetPrior::of_catalogue(causes) };
         Self { rest: rest.scaled(config.rest / usual), sets, practice: config.practice }
     }
 }

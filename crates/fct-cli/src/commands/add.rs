@@ -1,4 +1,4 @@
-//! `fct add`: a config with an effect added.
+//! `fct add`: a config with an effect added, or with another law.
 
 use super::edit::{next, source, write};
 use super::effects::find;
@@ -6,7 +6,8 @@ use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
 use ::report::answer::SCHEMA;
 use ::report::{ReportError, StoredRun};
-use input::edit::add_effect;
+use input::edit::{add_effect, choose_law};
+use input::{Key, LawRegistry, LawSite, keys_of_law};
 use model::Options;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -14,7 +15,7 @@ use std::path::PathBuf;
 /// Arguments of `fct add`.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Arguments {
-    /// Name of the effect (`fct effects` lists them)
+    /// Name of the effect (`fct effects` lists them), or of a law to take the place of the file's
     #[arg(value_name = "EFFECT")]
     pub effect: String,
     /// A run directory, or a config or specimen file
@@ -37,6 +38,9 @@ fn finding(run: &StoredRun, effect: &str) -> Result<Option<Value>, ReportError> 
 /// # Errors
 /// An unknown effect, one that is there already or excluded by another, an unreadable file.
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
+    if let Some(site) = session.catalogue.site_of_law(&arguments.effect) {
+        return law(arguments, site, session);
+    }
     let effect = find(session, &arguments.effect)?;
     let card = effect.card();
     let from = source(&arguments.file)?;
@@ -65,5 +69,31 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let file = write(&from, &text, &format!("+{}", card.name), session)?;
     let shown = file.display().to_string();
     let json = json!({ "schema": SCHEMA, "file": file, "effect": card.name, "parameters": keys });
+    Outcome::new(&json, format!("{shown}\nnext: {}\n", next(&from, &file)))
+}
+
+/// The config with another law of a site. What the file says of toughness and strength stays, and of what resists changes of
+/// volume; other parameters of the same name need not mean the same.
+fn law(arguments: &Arguments, site: LawSite, session: &Session) -> Result<Outcome, Failure> {
+    let (law, from) = (&arguments.effect, source(&arguments.file)?);
+    let of = |name: &str| keys_of_law(&session.catalogue, site, name);
+    let own = of(law);
+    let specs = session.catalogue.law_parameters(site, law, &Options::new()).unwrap_or_default();
+    let volume = |key: &Key| {
+        let of_key =
+            |s: &params::ParamSpec| s.name == key.name || s.reciprocal.is_some_and(|r| r.name == key.name);
+        specs.iter().any(|s| s.reciprocal.is_some() && of_key(s))
+    };
+    let stays = |key: &Key| {
+        own.iter().any(|k| k.spelling() == key.spelling()) && (site == LawSite::Interface || volume(key))
+    };
+    let all = session.catalogue.law_names(site).into_iter().flat_map(|name| of(&name));
+    let gone: Vec<String> = all.filter(|k| !stays(k)).map(|k| k.name.to_string()).collect();
+    let reason = format!("`{law}` in place of the law that was here");
+    let text = choose_law(&from.text, site.section(), law, &gone, &reason)
+        .map_err(|e| Failure::usage(format!("fct: {}: {e}", from.file.display())))?;
+    let file = write(&from, &text, &format!("+{law}"), session)?;
+    let shown = file.display().to_string();
+    let json = json!({ "schema": SCHEMA, "file": file, "effect": law, "parameters": [] });
     Outcome::new(&json, format!("{shown}\nnext: {}\n", next(&from, &file)))
 }

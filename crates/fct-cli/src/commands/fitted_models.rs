@@ -1,4 +1,4 @@
-//! The rungs of a search as run directories of their own, `fitted_models/<n>/` in the search's: each model at
+//! The rungs of a search as run directories of their own, `rungs/<n>/` in the search's: each model at
 //! the values the search found, run once on the file's mesh, so that curves, intervals and energies of
 //! every rung can be looked at and continued from.
 
@@ -83,6 +83,8 @@ mod tests {
             bic: 0.0,
             values: [("effects.viscoelastic.g2".to_owned(), 0.2)].into(),
             forms: forms.clone(),
+            bulk: None,
+            interface: None,
         };
         let fitted_model = fitted_case(&case, &row, None);
         assert_eq!(fitted_model.effects[0].options, forms[0].options);

@@ -172,7 +172,7 @@ fn run(b: &mut Builder) {
             "laws",
             Kind::Bool,
             Fallback::Bool(false),
-            "other laws of bulk and tear as candidates: not offered yet",
+            "other laws of bulk and tear are candidates of a search, too",
         );
     b.section("solver")
         .key(

@@ -31,13 +31,11 @@ pub(crate) fn identify(s: &Section<'_>, priors: PriorsConfig) -> IdentifyConfig 
 /// `[diagnose]`
 pub(crate) fn diagnose(top: &Section<'_>) -> DiagnoseConfig {
     let s = subsection(top, "diagnose");
-    if s.flag("laws") {
-        s.fault("laws", "other laws are no candidates of a search yet; name one by `law` in [bulk] or [interface] and compare the two runs");
-    }
     DiagnoseConfig {
         rest: s.number("rest"),
         practice: s.number("practice"),
         expected_effects: s.number("expected_effects"),
+        laws: s.flag("laws"),
     }
 }
 

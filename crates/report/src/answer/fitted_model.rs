@@ -82,6 +82,12 @@ impl Evaluator<'_> {
 pub fn fitted_case(case: &Case, row: &LadderRow, parent: Option<&Path>) -> Case {
     let mut fitted_model = case.clone();
     fitted_model.effects.clone_from(&row.forms);
+    if let Some(bulk) = &row.bulk {
+        fitted_model.bulk.clone_from(bulk);
+    }
+    if let Some(interface) = &row.interface {
+        fitted_model.interface.clone_from(interface);
+    }
     analysis::start_at(&mut fitted_model, row.values.iter().map(|(p, v)| (p.as_str(), *v)));
     // Its run.toml gives these values, and what is expected stands around them.
     fitted_model.identify.priors.around.clear();

@@ -19,7 +19,7 @@ pub struct Manifest {
     pub program: String,
     /// SHA-256 (hexadecimal) of every file, by its path in the directory, with `/` between folders.
     pub files: BTreeMap<String, String>,
-    /// Runs inside this one (`fitted_models/0`), each with a manifest of its own.
+    /// Runs inside this one (`rungs/0`), each with a manifest of its own.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub runs: Vec<String>,
 }
