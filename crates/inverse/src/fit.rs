@@ -130,7 +130,7 @@ impl Search<'_> {
                 }
             };
             let change = (state.f - next.f) / state.f;
-            let told = (state.f - next.f) / self.options.unit(self.data);
+            let told = (state.f - next.f) / self.options.worth(self.data, next.f);
             last = state.system.take().map(|s| Last { dz: &next.z - &state.z, whitened: s.whitened });
             state = next;
             idle = if told < self.options.insignificant { idle + 1 } else { 0 };

@@ -173,7 +173,9 @@ impl Rounds<'_> {
                 Err(_) => return Some(StopReason::NoDescent),
             };
             let predicted = self.at.f - inner.f;
-            if predicted <= (self.options.settled * outer.unit(data)).max(1e-3 * outer.tolerance * self.at.f)
+            if predicted
+                <= (self.options.settled * outer.worth(data, self.at.f))
+                    .max(1e-3 * outer.tolerance * self.at.f)
             {
                 let settled = self.rejected == 0;
                 return Some(if settled { StopReason::Converged } else { StopReason::NoDescent });

@@ -75,6 +75,13 @@ impl FitOptions {
             }
         }
     }
+
+    /// What a change of χ² by 1 is at a misfit f: by the noise, or where a model leaves more than noise, by that which would
+    /// explain what is left.
+    pub(crate) fn worth(&self, data: &Data, f: f64) -> f64 {
+        let unit = self.unit(data);
+        unit.max(f / data.points().max(1) as f64)
+    }
 }
 
 /// One model run of the search: the start (iteration 0) or a trial step.
