@@ -40,11 +40,11 @@ impl FeLadder<'_> {
     /// Values that a search from the record alone would begin with: no fit has bent them.
     pub(super) fn unbent(&self) -> Result<Vec<f64>, AnalysisError> {
         let model = Model::new(self.case.clone(), self.catalogue, self.how)?;
-        self.from_record(&self.case, &model)
+        self.start_by_record(&self.case, &model)
     }
 
     /// Values of a model that a search from the record alone would begin with, by a case of the same laws.
-    pub(super) fn from_record(&self, case: &Arc<Case>, model: &Model) -> Result<Vec<f64>, AnalysisError> {
+    pub(super) fn start_by_record(&self, case: &Arc<Case>, model: &Model) -> Result<Vec<f64>, AnalysisError> {
         let mut theta = model.theta();
         let say = self.progress;
         let shown = |p: &crate::Progress| {

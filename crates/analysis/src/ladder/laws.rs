@@ -87,7 +87,7 @@ impl FeLadder<'_> {
         }
         let mut bare = (*model.case).clone();
         bare.effects.clone_from(&self.case.effects);
-        let found = self.from_record(&Arc::new(bare), model)?;
+        let found = self.start_by_record(&Arc::new(bare), model)?;
         for (i, p) in model.parameters.iter().enumerate() {
             if p.path.parse::<ParamPath>().is_ok_and(|path| path.owner == Owner::Bulk) {
                 theta[i] = found[i];
