@@ -76,6 +76,13 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
 /// volume; other parameters of the same name need not mean the same.
 fn law(arguments: &Arguments, site: LawSite, session: &Session) -> Result<Outcome, Failure> {
     let (law, from) = (&arguments.effect, source(&arguments.file)?);
+    let case = input::read_case(&from.file, &session.catalogue)?;
+    let present = if site == LawSite::Bulk { &case.bulk.law } else { &case.interface.law };
+    if present == law {
+        let said =
+            format!("fct: {}: `{law}` is the law in [{}] already", from.file.display(), site.section());
+        return Err(Failure::usage(said));
+    }
     let of = |name: &str| keys_of_law(&session.catalogue, site, name);
     let own = of(law);
     let specs = session.catalogue.law_parameters(site, law, &Options::new()).unwrap_or_default();

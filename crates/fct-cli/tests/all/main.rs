@@ -22,6 +22,7 @@ mod hostile_files;
 mod identify;
 mod import;
 mod killed;
+mod laws;
 mod newcomers;
 mod reference;
 mod safety;

@@ -1,0 +1,55 @@
+//! Another law in place of the file's: asked for by name, and found by a search.
+
+use crate::common::{self, Tested, fct, json};
+use std::fs;
+
+const TORN: &str = "[interface]\nlaw = \"bilinear\"\n";
+
+#[test]
+fn a_law_takes_the_place_of_the_files() -> Tested {
+    let folder = common::folder(&common::strip(""))?;
+    let here = folder.path();
+    let out = fct(here, &["add", "bilinear", "strip.toml", "--out", "torn.toml"])?;
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    let text = fs::read_to_string(here.join("torn.toml"))?;
+    assert!(text.contains("law = \"bilinear\"") && text.contains("gc_N_per_mm = 0.15"), "{text}");
+    let out = fct(here, &["add", "bilinear", "torn.toml"])?;
+    let said = String::from_utf8_lossy(&out.stderr);
+    assert_eq!(out.status.code(), Some(2), "{said}");
+    assert!(said.contains("`bilinear` is the law in [interface] already"), "{said}");
+    // Another tissue: its parameters are its own, what resists changes of volume stays.
+    let bulk = text.replace("kappa = 0.22", "kappa = 0.22\nbulk_modulus_MPa = 30.0");
+    fs::write(here.join("torn.toml"), bulk)?;
+    let out = fct(here, &["add", "yeoh", "torn.toml", "--out", "yeoh.toml"])?;
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    let text = fs::read_to_string(here.join("yeoh.toml"))?;
+    assert!(!text.contains("k1_kPa") && !text.contains("kappa") && !text.contains("mu_kPa"), "{text}");
+    assert!(text.contains("bulk_modulus_MPa = 30.0") && text.contains("law = \"yeoh\""), "{text}");
+    Ok(())
+}
+
+/// A record made with a bilinear law, with another mesh and other steps than it is fitted with, is called that: no bridging,
+/// no other effect in its place.
+#[test]
+#[ignore = "slow: run by `just slow`"]
+fn a_record_of_another_law_is_called_that() -> Tested {
+    let more = "[solver]\nstep_mm = 0.04\n[output]\nnoise = 0.003\nseed = 3\nfields = false\n";
+    let strip = common::strip(more)
+        .replace("divisions = [8, 8, 1]", "divisions = [12, 8, 1]")
+        .replace("[interface]\n", TORN);
+    let folder = common::folder(&strip)?;
+    let here = folder.path();
+    let made = fct(here, &["simulate", "strip.toml", "--quiet"])?;
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
+    fs::write(here.join("fit.toml"), format!("{}[diagnose]\nlaws = true\n", common::FIT))?;
+    let (code, answer, said) = json(here, &["discover", "fit.toml", "--quiet"])?;
+    assert_eq!(code, 0, "{said}");
+    println!("{} {}", answer["found"], answer["posterior"]["effects"]["bilinear"]);
+    assert_eq!(answer["found"], serde_json::json!(["bilinear"]), "{}", answer["words"]);
+    assert!(
+        answer["words"][0].as_str().is_some_and(|w| w.contains("the law `bilinear`")),
+        "{}",
+        answer["words"]
+    );
+    Ok(())
+}
