@@ -215,7 +215,6 @@ fn shapes_and_mounting_are_smooth_and_turn_no_element_over() {
 #[test]
 fn cards_are_complete_and_agree_with_each_other() {
     let all = effects();
-    assert_eq!(all.len(), 26);
     let card = |name: &str| all.iter().find(|e| e.card().name == name).map(|e| e.card());
     const NEEDS: [&str; 6] =
         ["pause or two rates", "unloading", "tearing", "two tests", "clamped ends", "a flat sheet"];

@@ -277,34 +277,9 @@ fn odd_records() -> Vec<(String, Vec<u8>)> {
 /// Effects with what does not belong to them.
 fn odd_effects() -> Vec<(String, String)> {
     let base = CONFIG.replace("[effects.viscoelastic]\ng = 0.1\ntau_s = 12.0\n", "");
-    let names = [
-        "viscoelastic",
-        "mullins",
-        "permanent_set",
-        "stiffness_drift",
-        "fiber_damage",
-        "fiber_recruitment",
-        "bridging",
-        "crack_friction",
-        "fatigue",
-        "heterogeneity",
-        "law_shape",
-        "rate_dependent_strength",
-        "residual_opening",
-        "compliance",
-        "grip_slip",
-        "misalignment",
-        "slack",
-        "drift",
-        "gain",
-        "inertia",
-        "lag",
-        "self_weight",
-        "cut_length",
-        "prestretch",
-        "thickness_taper",
-        "no_such_effect",
-    ];
+    let catalogue = effects::catalogue();
+    let known: Vec<&str> = catalogue.iter().map(|e| e.card().name).collect();
+    let names: Vec<&str> = known.iter().copied().chain(["no_such_effect"]).collect();
     let bodies = [
         "branches = 1000000",
         "test = \"nowhere\"\nbranches = -1",
@@ -319,7 +294,7 @@ fn odd_effects() -> Vec<(String, String)> {
             [0, 1].map(|k| (format!("{name} {k}"), format!("{base}[effects.{name}]\n{}\n", body(k))))
         })
         .collect();
-    let all: String = names[..25].iter().map(|n| format!("[effects.{n}]\n")).collect();
+    let all: String = known.iter().map(|n| format!("[effects.{n}]\n")).collect();
     out.push(("every effect".to_owned(), format!("{base}{all}")));
     out.push(("effects = 1".to_owned(), format!("effects = 1\n{base}")));
     out
