@@ -135,9 +135,11 @@ pub fn discover(
         let evaluator =
             Evaluator { published: published.as_ref(), catalogue: &catalogue, journal: &NoJournal };
         let last = match found.ladder.last() {
-            Some(row) => Some(
-                evaluator.fitted_model(&fitted_case(&case, row, None), &metered, |why| wire.tell(why.to_string()))?,
-            ),
+            Some(row) => {
+                Some(evaluator.fitted_model(&fitted_case(&case, row, None), &metered, |why| {
+                    wire.tell(why.to_string())
+                })?)
+            }
             None => None,
         };
         found.cost = meter.spent();
