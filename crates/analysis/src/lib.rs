@@ -43,6 +43,7 @@ pub use identify::{
     AnalysisError, Control, HistoryEntry, Identified, Progress, Stage, free_parameters, identify, run_options,
 };
 pub use journal::{Journal, NoJournal};
+pub use ladder::laws::keeps_meaning;
 pub use ladder::{Adds, FeLadder, Fitted, LadderSettings, NextTest, Tried, Weighed};
 pub use needs::{Need, needs};
 pub use parsimony::{OneStrength, one_strength};

@@ -6,7 +6,7 @@ use super::FeLadder;
 use crate::identify::AnalysisError;
 use input::{Case, LawRegistry, LawSite, OptionValue};
 use model::{Catalogue, Model};
-use params::{Owner, ParamPath};
+use params::{Owner, ParamPath, ParamSpec};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -25,8 +25,15 @@ pub(crate) fn other_laws(case: &Case, catalogue: &Catalogue) -> Vec<String> {
         .collect()
 }
 
-/// A case with another law of a site. What the file says of the old law's parameters holds for those of the same meaning:
-/// toughness and strength of any tear, and what resists changes of volume.
+/// Whether what a file says of a parameter (by its name, or its reciprocal's) holds for another law of the site, whose
+/// parameters are `specs`: it does for toughness, strength and all that two laws of a tear share, and for what resists
+/// changes of volume. Other parameters of two tissues that share a name need not mean the same.
+pub fn keeps_meaning(site: LawSite, specs: &[ParamSpec], name: &str) -> bool {
+    let of = |s: &ParamSpec| s.name == name || s.reciprocal.is_some_and(|r| r.name == name);
+    specs.iter().any(|s| of(s) && (site == LawSite::Interface || s.reciprocal.is_some()))
+}
+
+/// A case with another law of a site, at its settings' defaults; of the old law's parameters stays what [`keeps_meaning`].
 pub(crate) fn with_law(case: &Case, catalogue: &Catalogue, site: LawSite, law: &str) -> Case {
     let defaults = catalogue.law_options(site, law).into_iter();
     let options: BTreeMap<String, OptionValue> =
@@ -35,14 +42,13 @@ pub(crate) fn with_law(case: &Case, catalogue: &Catalogue, site: LawSite, law: &
     let mut out = case.clone();
     match site {
         LawSite::Bulk => {
-            let same = |name: &str| specs.iter().any(|s| s.name == name && s.reciprocal.is_some());
-            out.bulk.parameters.retain(|name, _| same(name));
+            out.bulk.parameters.retain(|name, _| keeps_meaning(site, &specs, name));
             out.identify.priors.given.retain(|path, _| !path.starts_with("bulk."));
             out.identify.priors.around.retain(|path, _| !path.starts_with("bulk."));
             (out.bulk.law, out.bulk.options, out.bulk.specs) = (law.to_owned(), options, specs);
         }
         LawSite::Interface => {
-            out.interface.parameters.retain(|name, _| specs.iter().any(|s| s.name == *name));
+            out.interface.parameters.retain(|name, _| keeps_meaning(site, &specs, name));
             let interface = &mut out.interface;
             (interface.law, interface.options, interface.specs) = (law.to_owned(), options, specs);
         }
@@ -96,7 +102,7 @@ impl FeLadder<'_> {
         Ok(())
     }
 
-    /// Sets with one more law, for sets that have none yet.
+    /// Sets with one more law, of a site at which they have none yet.
     pub(super) fn with_other_laws(&self, sets: &[Vec<String>]) -> Vec<Vec<String>> {
         let laws = other_laws(&self.case, self.catalogue);
         let larger = sets.iter().filter(|s| !s.is_empty()).flat_map(|s| {

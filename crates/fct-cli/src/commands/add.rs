@@ -6,8 +6,9 @@ use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
 use ::report::answer::SCHEMA;
 use ::report::{ReportError, StoredRun};
+use analysis::keeps_meaning;
 use input::edit::{add_effect, choose_law};
-use input::{Key, LawRegistry, LawSite, keys_of_law};
+use input::{LawRegistry, LawSite, keys_of_law};
 use model::Options;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -72,8 +73,7 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     Outcome::new(&json, format!("{shown}\nnext: {}\n", next(&from, &file)))
 }
 
-/// The config with another law of a site. What the file says of toughness and strength stays, and of what resists changes of
-/// volume; other parameters of the same name need not mean the same.
+/// The config with another law of a site; of what it says of the old one's parameters stays what [`keeps_meaning`].
 fn law(arguments: &Arguments, site: LawSite, session: &Session) -> Result<Outcome, Failure> {
     let (law, from) = (&arguments.effect, source(&arguments.file)?);
     let case = input::read_case(&from.file, &session.catalogue)?;
@@ -83,19 +83,11 @@ fn law(arguments: &Arguments, site: LawSite, session: &Session) -> Result<Outcom
             format!("fct: {}: `{law}` is the law in [{}] already", from.file.display(), site.section());
         return Err(Failure::usage(said));
     }
-    let of = |name: &str| keys_of_law(&session.catalogue, site, name);
-    let own = of(law);
     let specs = session.catalogue.law_parameters(site, law, &Options::new()).unwrap_or_default();
-    let volume = |key: &Key| {
-        let of_key =
-            |s: &params::ParamSpec| s.name == key.name || s.reciprocal.is_some_and(|r| r.name == key.name);
-        specs.iter().any(|s| s.reciprocal.is_some() && of_key(s))
-    };
-    let stays = |key: &Key| {
-        own.iter().any(|k| k.spelling() == key.spelling()) && (site == LawSite::Interface || volume(key))
-    };
-    let all = session.catalogue.law_names(site).into_iter().flat_map(|name| of(&name));
-    let gone: Vec<String> = all.filter(|k| !stays(k)).map(|k| k.name.to_string()).collect();
+    let names = session.catalogue.law_names(site);
+    let all = names.iter().flat_map(|name| keys_of_law(&session.catalogue, site, name));
+    let gone = all.map(|k| k.name.to_string()).filter(|name| !keeps_meaning(site, &specs, name));
+    let gone: Vec<String> = gone.collect();
     let reason = format!("`{law}` in place of the law that was here");
     let text = choose_law(&from.text, site.section(), law, &gone, &reason)
         .map_err(|e| Failure::usage(format!("fct: {}: {e}", from.file.display())))?;
