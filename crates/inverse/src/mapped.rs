@@ -86,7 +86,8 @@ pub struct MappedOptions {
     pub outer: FitOptions,
     /// Settings of the fits of f̂.
     pub inner: FitOptions,
-    /// A predicted fall of χ² that is not worth a run of the expensive model.
+    /// A predicted fall of χ² that is not worth a run of the expensive model; times the reduced χ² where that is above 1,
+    /// since less than that is less than what the model leaves would explain.
     pub settled: f64,
 }
 

@@ -34,7 +34,8 @@ pub struct FitOptions {
     pub objective: Objective,
     /// Stop when the relative change of f falls below this.
     pub tolerance: f64,
-    /// A step that changes χ² by less than this tells nothing: three in a row end the search. 0: off.
+    /// A step that changes χ² by less than this tells nothing: three in a row end the search. 0: off. Times the reduced χ²
+    /// where that is above 1.
     pub insignificant: f64,
     /// Largest number of accepted steps.
     pub max_iterations: usize,
