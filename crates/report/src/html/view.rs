@@ -52,9 +52,14 @@ impl FittedModel {
         Ok(Some(Self { pictures, curves: at.curves()?, response, run, answer, judged: None }))
     }
 
-    /// The model in words.
+    /// The model in words: what the search added, which may be another law, else the effects of the run.
     pub fn name(&self) -> String {
-        if self.answer.effects.is_empty() { "base model".into() } else { self.answer.effects.join(" + ") }
+        let of_search = self.judged.as_ref().and_then(|row| row["effects"].as_array());
+        let added: Vec<&str> = match of_search {
+            Some(list) => list.iter().filter_map(Value::as_str).collect(),
+            None => self.answer.effects.iter().map(String::as_str).collect(),
+        };
+        if added.is_empty() { "base model".into() } else { added.join(" + ") }
     }
 
     /// Reduced χ² with numerical error: the search's own where there was one.
