@@ -118,6 +118,12 @@ impl<'a> FeProblem<'a> {
         out
     }
 
+    /// Predictions at these free values, if the latest run was there.
+    pub(crate) fn values_at(&self, free: &[f64]) -> Option<DVector<f64>> {
+        let last = self.last.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        last.as_ref().filter(|l| l.0 == free).map(|l| l.1.clone())
+    }
+
     /// Forward runs so far.
     pub fn runs(&self) -> usize {
         self.runs.load(Ordering::Relaxed)

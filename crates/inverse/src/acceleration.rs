@@ -45,7 +45,10 @@ impl Last {
 }
 
 /// Rows of `here` whose point has a row in `before`, too, and which; both ascend.
-fn shared<'a>(before: &'a [usize], here: &'a [usize]) -> impl Iterator<Item = (usize, usize)> + 'a {
+pub(crate) fn shared<'a>(
+    before: &'a [usize],
+    here: &'a [usize],
+) -> impl Iterator<Item = (usize, usize)> + 'a {
     let row = |point: &usize| before.binary_search(point).ok();
     here.iter().enumerate().filter_map(move |(k, point)| row(point).map(|old| (k, old)))
 }

@@ -6,6 +6,7 @@
 //! do not fix (a *sloppy* one, Transtrum, Machta & Sethna 2011) cannot run to infinity.
 
 use crate::acceleration::{Last, accelerated_step};
+use crate::curvature::Curvature;
 use crate::linalg::Reduced;
 use crate::step::{StepBox, bounded_step, length, moves};
 use crate::step_control::StepControl;
@@ -31,6 +32,15 @@ struct System {
     reduced: Reduced,
     /// Marquardt's scale: diagonal of JᵀJ.
     scale: DVector<f64>,
+    /// The same with what is known of the curvature besides, where that says more.
+    curved: Option<Reduced>,
+}
+
+impl System {
+    /// What steps are taken by.
+    fn model(&self) -> &Reduced {
+        self.curved.as_ref().unwrap_or(&self.reduced)
+    }
 }
 
 enum Failure {
@@ -62,13 +72,28 @@ pub fn fit(
     options: &FitOptions,
     observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
 ) -> Result<Fit, FitError> {
+    fit_from(problem, data, free, options, &mut Curvature::none(free.len()), observer)
+}
+
+/// The same, with what an earlier fit nearby learnt of the curvature; it takes with it what this one learns.
+///
+/// # Errors
+/// [`FitError`] as [`fit`]'s.
+pub(crate) fn fit_from(
+    problem: &dyn Problem,
+    data: &Data,
+    free: &[Free],
+    options: &FitOptions,
+    curvature: &mut Curvature,
+    observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
+) -> Result<Fit, FitError> {
     data.check()?;
     if let Some(fault) = free.iter().find_map(Free::fault) {
         return Err(FitError::Parameter(fault));
     }
     let objective_map = Whitener::new(data, None, options.objective.noise());
     let mut search = Search { problem, data, free, options, objective_map, runs: 0, history: Vec::new() };
-    search.run(observer)
+    search.run(curvature, observer)
 }
 
 /// All points' misfit and the priors' rows.
@@ -93,7 +118,11 @@ pub(crate) fn objective(
 const FEW_TRIALS: usize = 5;
 
 impl Search<'_> {
-    fn run(&mut self, observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>) -> Result<Fit, FitError> {
+    fn run(
+        &mut self,
+        curvature: &mut Curvature,
+        observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
+    ) -> Result<Fit, FitError> {
         let z0 = DVector::from_iterator(self.free.len(), self.free.iter().map(|f| f.forward(f.start)));
         // The values as given: through their coordinate and back the last bit may be another.
         let start = self.free.iter().map(|f| f.start.clamp(f.lower, f.upper)).collect();
@@ -110,6 +139,9 @@ impl Search<'_> {
         }
         let zero = 1e-24 * self.objective_map.apply(&self.data.measured()).norm_squared();
         let mut control = StepControl::new(self.options.initial_damping);
+        if let Some(system) = &mut state.system {
+            system.curved = curvature.system(&system.reduced, &system.scale);
+        }
         let mut last: Option<Last> = None;
         let (mut small, mut idle) = (0, 0);
         for iteration in 1..=self.options.max_iterations {
@@ -133,6 +165,10 @@ impl Search<'_> {
             let told = (state.f - next.f) / self.options.worth(self.data, next.f);
             last = state.system.take().map(|s| Last { dz: &next.z - &state.z, whitened: s.whitened });
             state = next;
+            if let (Some(last), Some(system)) = (&last, &mut state.system) {
+                curvature.learn(last, &system.whitened);
+                system.curved = curvature.system(&system.reduced, &system.scale);
+            }
             idle = if told < self.options.insignificant { idle + 1 } else { 0 };
             if idle >= 3 {
                 return Ok(self.finish(state, iteration, StopReason::Insignificant));
@@ -156,7 +192,8 @@ impl Search<'_> {
 
     /// Predicted relative reduction of an almost undamped step.
     fn predicted_reduction(&self, state: &State) -> f64 {
-        state.system.as_ref().map_or(0.0, |System { reduced: system, scale: d, .. }| {
+        state.system.as_ref().map_or(0.0, |own| {
+            let (system, d) = (own.model(), &own.scale);
             // In a sloppy valley the undamped step ends on many edges of its box and may predict
             // no reduction; a damped one then still does.
             let space = self.step_box(state);
@@ -176,9 +213,12 @@ impl Search<'_> {
         last: Option<&Last>,
         observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
     ) -> Result<Advance, FitError> {
-        let Some(System { whitened, reduced: system, scale: d }) = &state.system else {
+        let Some(own) = &state.system else {
             return Err(FitError::Contract("no jacobian although it was asked for".into()));
         };
+        let (whitened, system, d) = (&own.whitened, own.model(), &own.scale);
+        // The curvature holds what the last step says.
+        let last = last.filter(|_| own.curved.is_none());
         let space = self.step_box(state);
         for trial in 0..self.options.max_trials {
             let mut step = control.step(system, d, &space);
@@ -282,7 +322,8 @@ impl Search<'_> {
                     if s > 0.0 { s } else { 1.0 }
                 }),
             );
-            System { reduced: Reduced::new(&whitened.jacobian, &whitened.r), scale: d, whitened }
+            let reduced = Reduced::new(&whitened.jacobian, &whitened.r);
+            System { reduced, scale: d, whitened, curved: None }
         });
         Ok(State { z, theta, f, prediction, system })
     }

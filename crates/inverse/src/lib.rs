@@ -4,6 +4,7 @@ mod acceleration;
 mod allowing;
 mod asymmetric;
 mod covariance;
+mod curvature;
 mod data;
 mod fit;
 mod half_width;

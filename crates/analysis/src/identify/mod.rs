@@ -242,9 +242,10 @@ impl Models {
         }
         let (coarse, cheap) = (self.coarse.as_ref(), self.cheap.as_ref());
         let search = StagedSearch { case, catalogue, fine: &self.fine, coarse: cheap.or(coarse), cheap };
+        work.pausing = case.identify.release_bulk && staged(&list);
         search.run(&mut work, &list)?;
-        if case.identify.release_bulk && staged(&list) && work.tear_left.unexplained() {
-            list.extend(search.release(&mut work));
+        if work.pausing && work.tear_left.unexplained() {
+            list.extend(search.release(&mut work, &list)?);
         }
         Ok((work, list))
     }

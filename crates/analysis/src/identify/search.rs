@@ -4,7 +4,7 @@ use super::work::Work;
 use super::{AnalysisError, Stage};
 use crate::cost::Phase;
 use input::{Case, Mode};
-use inverse::{FitError, PredictError};
+use inverse::{FitError, PredictError, StopReason};
 use model::{Catalogue, Model, Site};
 use std::sync::Arc;
 
@@ -128,10 +128,11 @@ impl StagedSearch<'_> {
 
     /// A bulk that the intact strip alone leaves open, along the valley of its sloppy combinations, may end where the
     /// tear cannot be explained: all parameters are then fitted to all records, from the beginning, since strengths that
-    /// made up for a wrong bulk are a bad start. The stages stand where that does not help.
-    pub fn release(&self, work: &mut Work) -> Option<StagePlan> {
+    /// made up for a wrong bulk are a bad start. The stages stand where that does not help. Either pauses where it stalls,
+    /// and what is better there is what goes on.
+    pub fn release(&self, work: &mut Work, own: &[StagePlan]) -> Result<Option<StagePlan>, AnalysisError> {
         let before = work.tear_left;
-        let (theta, held, starts) = (work.theta.clone(), work.held, work.starts.clone());
+        let (theta, held, starts, paused) = (work.theta.clone(), work.held, work.starts.clone(), work.paused);
         let stopped = work.stopped.len();
         work.theta = self.fine.theta();
         let list = stages(self.fine, Mode::Joint);
@@ -142,8 +143,10 @@ impl StagedSearch<'_> {
             work.beside = ended.then_some(there);
             (work.held, work.starts) = (held, starts);
             work.stopped.truncate(stopped);
-            return None;
+            self.go_on(work, paused, own)?;
+            return Ok(None);
         }
+        self.go_on(work, work.paused, &list)?;
         if let Some(last) = work.stopped.last_mut() {
             last.1 = format!(
                 "The intact strip's bulk left the tear at χ² {:.2} per point: everything was fitted to all records. {}",
@@ -151,6 +154,18 @@ impl StagedSearch<'_> {
                 last.1
             );
         }
-        list.into_iter().find(|s| s.0 == Stage::Joint)
+        Ok(list.into_iter().find(|s| s.0 == Stage::Joint))
+    }
+
+    /// Takes the last stage to its end on the given mesh, if it paused.
+    fn go_on(&self, work: &mut Work, paused: bool, list: &[StagePlan]) -> Result<(), AnalysisError> {
+        let Some((stage, free, tests)) = list.last().filter(|_| paused) else { return Ok(()) };
+        if work.control.cancelled.stops() {
+            work.stopped.push((*stage, StopReason::Stopped.sentence().to_owned(), false));
+            return Ok(());
+        }
+        work.pausing = false;
+        work.stage_beside(self.fine, self.cheap, *stage, free, tests, false)?;
+        Ok(())
     }
 }

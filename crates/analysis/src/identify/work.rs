@@ -5,8 +5,9 @@ use crate::data::Measured;
 use crate::journal::{Asked, remembered};
 use crate::problem::FeProblem;
 use input::Case;
-use inverse::{Fit, FitOptions, Free, Iterate, MappedOptions, MultiStart, Objective};
+use inverse::{FitOptions, Free, Iterate, MappedOptions, MultiStart, Objective, StopReason};
 use model::{Channel, Model, RunOptions};
+use nalgebra::DVector;
 use std::ops::ControlFlow;
 
 /// The coarse mesh only brings the search near: a fall of half a percent is not worth a run, nor is a
@@ -62,6 +63,10 @@ pub(crate) struct Work<'a> {
     pub(super) tear_left: TearMisfit,
     /// Where all parameters together ended, if that did not help enough.
     pub(super) beside: Option<Vec<f64>>,
+    /// Whether a stage pauses where its steps on the given mesh hardly lower what the tear leaves unexplained.
+    pub(super) pausing: bool,
+    /// Whether the latest stage paused.
+    pub(super) paused: bool,
 }
 
 /// Free parameters as the optimiser sees them, at θ.
@@ -72,6 +77,9 @@ pub fn free_parameters(model: &Model, theta: &[f64], free: &[usize]) -> Vec<Free
 /// Standard deviations of χ² that are left to chance.
 const CHANCE: f64 = 3.0;
 
+/// Share of the tear's excess that a step leaves where other parameters may have to move.
+const STALLED: f64 = 0.5;
+
 /// χ² of the tearing records that a fit left, with their noise as if it were white.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct TearMisfit {
@@ -80,8 +88,8 @@ pub(super) struct TearMisfit {
 }
 
 impl TearMisfit {
-    fn of(model: &Model, measured: &Measured, fit: &Fit) -> Self {
-        let misfit = measured.data.misfit(&fit.prediction.values);
+    fn of(model: &Model, measured: &Measured, predicted: &DVector<f64>) -> Self {
+        let misfit = measured.data.misfit(predicted);
         let mut left = Self::default();
         for (slot, block) in measured.slots.iter().zip(&measured.data.blocks) {
             if model.tests[slot.test].test.kind.tears && slot.channel == Channel::Force {
@@ -108,6 +116,11 @@ impl TearMisfit {
     pub fn unexplained(self) -> bool {
         self.excess() > CHANCE * (2.0 * self.points).sqrt()
     }
+
+    /// Whether a step that began with `before` led hardly nearer to what noise leaves.
+    fn stalls(self, before: Self) -> bool {
+        self.unexplained() && self.excess() > STALLED * before.excess()
+    }
 }
 
 impl<'a> Work<'a> {
@@ -129,6 +142,8 @@ impl<'a> Work<'a> {
             coarse_level: false,
             tear_left: TearMisfit::default(),
             beside: None,
+            pausing: false,
+            paused: false,
         }
     }
 
@@ -212,6 +227,8 @@ impl<'a> Work<'a> {
         };
         let mapped = MappedOptions { outer: fit_options.clone(), inner, settled: INSIGNIFICANT };
         let (progress, history) = (self.control.progress, &mut self.history);
+        let pausing = self.pausing && !coarse && beside.is_some();
+        let mut before: Option<TearMisfit> = None;
         let mut watch = |iterate: &Iterate| {
             progress(&Progress { stage, coarse: true, iterate, paths: &paths, forces: Vec::new() });
             ControlFlow::Continue(())
@@ -220,7 +237,12 @@ impl<'a> Work<'a> {
             let forces = if iterate.accepted { problem.forces_at(&iterate.theta) } else { Vec::new() };
             progress(&Progress { stage, coarse, iterate, paths: &paths, forces });
             history.push(HistoryEntry { stage, coarse, iterate: iterate.clone(), paths: paths.clone() });
-            ControlFlow::Continue(())
+            let values = (pausing && iterate.accepted).then(|| problem.values_at(&iterate.theta)).flatten();
+            let Some(now) = values.map(|v| TearMisfit::of(model, &measured, &v)) else {
+                return ControlFlow::Continue(());
+            };
+            let stalls = before.replace(now).is_some_and(|b| now.stalls(b));
+            if stalls { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let several = self.case.identify.multi_start;
         // On the coarse mesh where there is one: that is where a search may still go astray.
@@ -231,7 +253,7 @@ impl<'a> Work<'a> {
             data: &measured.data,
             free: &list,
             options: &fit_options,
-            how: &format!("{starts} starts"),
+            how: &format!("{starts} starts, pausing {pausing}"),
             cancelled: self.control.cancelled,
         };
         let done = remembered(self.control.journal, &asked, &mut observer, &mut |observer| {
@@ -266,8 +288,11 @@ impl<'a> Work<'a> {
         if !coarse {
             self.iterations = self.iterations.max(fit.iterations);
         }
-        self.tear_left = TearMisfit::of(model, &measured, &fit);
-        self.stopped.push((stage, fit.stop.sentence().to_owned(), fit.stop.converged()));
+        self.tear_left = TearMisfit::of(model, &measured, &fit.prediction.values);
+        self.paused = pausing && fit.stop == StopReason::Stopped && !self.control.cancelled.stops();
+        if !self.paused {
+            self.stopped.push((stage, fit.stop.sentence().to_owned(), fit.stop.converged()));
+        }
         if stage == Stage::Bulk && !coarse {
             self.held = Some(());
         }

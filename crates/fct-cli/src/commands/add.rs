@@ -1,7 +1,7 @@
 //! `fct add`: a config with an effect added, or with another law.
 
 use super::edit::{next, source, write};
-use super::effects::find;
+use super::effects::unknown;
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
 use ::report::answer::SCHEMA;
@@ -42,7 +42,9 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     if let Some(site) = session.catalogue.site_of_law(&arguments.effect) {
         return law(arguments, site, session);
     }
-    let effect = find(session, &arguments.effect)?;
+    let Some(effect) = session.catalogue.get(&arguments.effect) else {
+        return Err(unknown("effect or law", &arguments.effect, names(session)));
+    };
     let card = effect.card();
     let from = source(&arguments.file)?;
     let specs = effect.parameters(&Options::new());
@@ -71,6 +73,13 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
     let shown = file.display().to_string();
     let json = json!({ "schema": SCHEMA, "file": file, "effect": card.name, "parameters": keys });
     Outcome::new(&json, format!("{shown}\nnext: {}\n", next(&from, &file)))
+}
+
+/// All that can be added.
+fn names(session: &Session) -> Vec<String> {
+    let laws = [LawSite::Bulk, LawSite::Interface].map(|site| session.catalogue.law_names(site));
+    let effects = session.catalogue.iter().map(|e| e.card().name.to_owned());
+    effects.chain(laws.into_iter().flatten()).collect()
 }
 
 /// The config with another law of a site; of what it says of the old one's parameters stays what [`keeps_meaning`].

@@ -74,7 +74,11 @@ fn validate(text: &str, out: &Path, session: &Session) -> Result<(), Failure> {
     write_atomic(&trial, text.as_bytes())?;
     let read = input::read_case(&trial, &session.catalogue);
     let _ = std::fs::remove_file(&trial);
-    read.map(|_| ()).map_err(Failure::from)
+    // What is told is of the file that would have been written.
+    read.map(|_| ()).map_err(|mut faults| {
+        faults.0.iter_mut().filter(|d| d.file == trial).for_each(|d| d.file = out.to_owned());
+        Failure::from(faults)
+    })
 }
 
 fn folder(file: &Path) -> &Path {

@@ -56,13 +56,19 @@ pub fn find<'a>(session: &'a Session, name: &str) -> Result<&'a dyn Effect, Fail
     if let Some(effect) = session.catalogue.get(name) {
         return Ok(&**effect);
     }
-    let names = session.catalogue.iter().map(|e| e.card().name);
+    let names = session.catalogue.iter().map(|e| e.card().name.to_owned()).collect();
+    Err(unknown("effect", name, names))
+}
+
+/// That there is nothing of that name, and which name may have been meant.
+pub fn unknown(what: &str, name: &str, names: Vec<String>) -> Failure {
     let nearest = names
-        .map(|n| (strsim::jaro_winkler(n, name), n))
+        .into_iter()
+        .map(|n| (strsim::jaro_winkler(&n, name), n))
         .filter(|(score, _)| *score > 0.75)
         .max_by(|a, b| a.0.total_cmp(&b.0));
     let hint = nearest.map_or("`fct effects` lists them".to_owned(), |(_, n)| format!("did you mean `{n}`?"));
-    Err(Failure::usage(format!("fct: unknown effect `{name}`; {hint}")))
+    Failure::usage(format!("fct: unknown {what} `{name}`; {hint}"))
 }
 
 fn card_json(session: &Session, e: &dyn Effect) -> Value {

@@ -28,6 +28,27 @@ fn a_law_takes_the_place_of_the_files() -> Tested {
     Ok(())
 }
 
+#[test]
+fn what_cannot_be_added_is_told_of_the_file_that_would_be_written() -> Tested {
+    let folder = common::folder(&common::strip(""))?;
+    let here = folder.path();
+    let said = |arguments: &[&str]| -> Result<String, Box<dyn std::error::Error>> {
+        let out = fct(here, arguments)?;
+        assert_eq!(out.status.code(), Some(2));
+        Ok(String::from_utf8_lossy(&out.stderr).into_owned())
+    };
+    let none = said(&["add", "bilinaer", "strip.toml"])?;
+    assert!(none.contains("unknown effect or law `bilinaer`; did you mean `bilinear`?"), "{none}");
+    let effect = said(&["add", "mulins", "strip.toml"])?;
+    assert!(effect.contains("did you mean `mullins`?"), "{effect}");
+    // A prior of what the new law does not have.
+    fs::write(here.join("prior.toml"), common::strip("[identify.priors]\nbulk.k1_kPa = { mean = 500.0, relative_sd = 0.1 }\n"))?;
+    let fault = said(&["add", "yeoh", "prior.toml", "--out", "yeoh.toml"])?;
+    assert!(fault.contains("yeoh.toml:") && !fault.contains(".check.toml"), "{fault}");
+    assert!(!here.join("yeoh.toml").exists());
+    Ok(())
+}
+
 /// A record made with a bilinear law, with another mesh and other steps than it is fitted with, is called that: no bridging,
 /// no other effect in its place.
 #[test]
