@@ -105,7 +105,7 @@ fn first(record: &Record, part: f64) -> Record {
 /// Whether the model runs to the end of its records.
 fn follows(model: &Model, theta: &[f64], work: &Work) -> Result<bool, AnalysisError> {
     let Ok(measured) = Measured::of(model, &model.recorded()) else { return Ok(false) };
-    let problem = work.trial(model, theta, &[], &measured.slots);
+    let problem = work.trial(model, theta, &[], &measured.slots, work.search);
     match problem.predict(&[], false) {
         Ok(_) => Ok(true),
         Err(inverse::PredictError::Interrupted) => Err(inverse::PredictError::Interrupted.into()),

@@ -72,28 +72,13 @@ pub fn fit(
     options: &FitOptions,
     observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
 ) -> Result<Fit, FitError> {
-    fit_from(problem, data, free, options, &mut Curvature::none(free.len()), observer)
-}
-
-/// The same, with what an earlier fit nearby learnt of the curvature; it takes with it what this one learns.
-///
-/// # Errors
-/// [`FitError`] as [`fit`]'s.
-pub(crate) fn fit_from(
-    problem: &dyn Problem,
-    data: &Data,
-    free: &[Free],
-    options: &FitOptions,
-    curvature: &mut Curvature,
-    observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
-) -> Result<Fit, FitError> {
     data.check()?;
     if let Some(fault) = free.iter().find_map(Free::fault) {
         return Err(FitError::Parameter(fault));
     }
     let objective_map = Whitener::new(data, None, options.objective.noise());
     let mut search = Search { problem, data, free, options, objective_map, runs: 0, history: Vec::new() };
-    search.run(curvature, observer)
+    search.run(observer)
 }
 
 /// All points' misfit and the priors' rows.
@@ -118,11 +103,7 @@ pub(crate) fn objective(
 const FEW_TRIALS: usize = 5;
 
 impl Search<'_> {
-    fn run(
-        &mut self,
-        curvature: &mut Curvature,
-        observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
-    ) -> Result<Fit, FitError> {
+    fn run(&mut self, observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>) -> Result<Fit, FitError> {
         let z0 = DVector::from_iterator(self.free.len(), self.free.iter().map(|f| f.forward(f.start)));
         // The values as given: through their coordinate and back the last bit may be another.
         let start = self.free.iter().map(|f| f.start.clamp(f.lower, f.upper)).collect();
@@ -139,9 +120,7 @@ impl Search<'_> {
         }
         let zero = 1e-24 * self.objective_map.apply(&self.data.measured()).norm_squared();
         let mut control = StepControl::new(self.options.initial_damping);
-        if let Some(system) = &mut state.system {
-            system.curved = curvature.system(&system.reduced, &system.scale);
-        }
+        let mut curvature = Curvature::none(self.free.len());
         let mut last: Option<Last> = None;
         let (mut small, mut idle) = (0, 0);
         for iteration in 1..=self.options.max_iterations {

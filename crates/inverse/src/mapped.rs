@@ -6,8 +6,7 @@
 //! right would settle elsewhere. Echeverría & Hemker 2005, doi:10.2478/cmam-2005-0006; first-order consistent models
 //! inside a trust region: Alexandrov, Lewis, Gumbert, Green & Newman 2001, doi:10.2514/2.2877.
 
-use crate::curvature::Curvature;
-use crate::fit::{fit, fit_from, objective};
+use crate::fit::{fit, objective};
 use crate::{Data, Fit, FitError, FitOptions, Free, Iterate, PredictError, Prediction, Problem, StopReason};
 use nalgebra::{DMatrix, DVector};
 use std::ops::ControlFlow;
@@ -123,8 +122,6 @@ struct Rounds<'a> {
     rounds: usize,
     runs: usize,
     history: Vec<Iterate>,
-    /// What the fits of f̂ learnt: the maps differ little in it.
-    curvature: Curvature,
 }
 
 /// Fits `expensive` from the start values of `free`; one run of it (with its jacobian) a round. `observer` hears of these
@@ -148,19 +145,9 @@ pub fn fit_mapped(
         return Ok(first);
     }
     let at = Place { theta: first.theta, f: first.f, prediction: first.prediction };
-    let mut fit = Rounds {
-        expensive,
-        data,
-        free,
-        options,
-        at,
-        radius: f64::INFINITY,
-        rejected: 0,
-        rounds: 0,
-        runs: 1,
-        history: first.history,
-        curvature: Curvature::none(free.len()),
-    };
+    let (radius, history) = (f64::INFINITY, first.history);
+    let mut fit =
+        Rounds { expensive, data, free, options, at, radius, rejected: 0, rounds: 0, runs: 1, history };
     while fit.rounds < options.outer.max_iterations {
         let map = match Mapped::at(cheap, free, &fit.at.theta, &fit.at.prediction) {
             Ok(map) => map,
@@ -181,7 +168,7 @@ impl Rounds<'_> {
         let (data, free, outer) = (self.data, self.free, &self.options.outer);
         loop {
             let region = within(free, &self.at.theta, self.radius);
-            let inner = match fit_from(map, data, &region, &self.options.inner, &mut self.curvature, watch) {
+            let inner = match fit(map, data, &region, &self.options.inner, watch) {
                 Ok(inner) if inner.stop != StopReason::Stopped => inner,
                 Ok(_) | Err(FitError::Start(PredictError::Interrupted)) => return Some(StopReason::Stopped),
                 Err(_) => return Some(StopReason::NoDescent),

@@ -247,6 +247,7 @@ impl Models {
         if work.pausing && work.tear_left.unexplained() {
             list.extend(search.release(&mut work, &list)?);
         }
+        search.with_all_steps(&mut work, &list)?;
         Ok((work, list))
     }
 }

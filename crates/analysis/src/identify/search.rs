@@ -168,4 +168,24 @@ impl StagedSearch<'_> {
         work.stage_beside(self.fine, self.cheap, *stage, free, tests, false)?;
         Ok(())
     }
+
+    /// The last stages once more by runs with the answer's load steps, where the search took fewer: its optimum is a
+    /// little beside.
+    pub fn with_all_steps(&self, work: &mut Work, list: &[StagePlan]) -> Result<(), AnalysisError> {
+        let fewer = self.cheap.is_some() && self.case.identify.coarse_first;
+        if !fewer || self.case.identify.max_iterations == 0 || work.control.cancelled.stops() {
+            return Ok(());
+        }
+        (work.pausing, work.all_steps) = (false, true);
+        let joint = list.iter().any(|s| s.0 == Stage::Joint);
+        for (stage, free, tests) in list.iter().filter(|s| !joint || s.0 == Stage::Joint) {
+            let told = work.stopped.len();
+            work.stage_beside(self.fine, self.cheap, *stage, free, tests, false)?;
+            // How the search itself ended is what counts, unless the user ended this.
+            if !work.control.cancelled.stops() {
+                work.stopped.truncate(told);
+            }
+        }
+        Ok(())
+    }
 }

@@ -31,6 +31,10 @@ const INNER_TOLERANCE: f64 = 1e-4;
 const INNER_INSIGNIFICANT: f64 = 0.05;
 const INNER_STEPS: usize = 16;
 
+/// Rounds by runs with all load steps, after those with half of them: the first of them brings most of the few units of χ²
+/// that the other steps are worth.
+const LAST_ROUNDS: usize = 1;
+
 /// Newton tolerance of the search, if the file's is not coarser: it moves χ² by far less than a step
 /// does. The last run, which the answer is made from, takes the file's.
 pub(crate) const SEARCH_TOLERANCE: f64 = 1e-7;
@@ -49,7 +53,9 @@ pub(crate) struct Work<'a> {
     /// How the answer's runs are made.
     pub(super) options: RunOptions,
     /// How the search's runs are made.
-    pub(super) search: RunOptions,
+    pub search: RunOptions,
+    /// Whether runs on the given mesh take the answer's steps.
+    pub(super) all_steps: bool,
     pub(super) held: Option<()>,
     /// Whether the literature's priors count.
     pub literature: bool,
@@ -135,6 +141,7 @@ impl<'a> Work<'a> {
             case,
             options,
             search: options,
+            all_steps: false,
             held: None,
             literature: case.identify.priors.literature.unwrap_or(false),
             coarse_noise: 0.0,
@@ -154,12 +161,13 @@ impl<'a> Work<'a> {
         theta: &[f64],
         free: &[usize],
         slots: &'p [crate::data::DataBlock],
+        options: RunOptions,
     ) -> FeProblem<'p>
     where
         'a: 'p,
     {
         let cancelled = self.control.cancelled;
-        let mut problem = FeProblem::new(model, theta.to_vec(), free.to_vec(), slots, self.search, cancelled);
+        let mut problem = FeProblem::new(model, theta.to_vec(), free.to_vec(), slots, options, cancelled);
         problem.options.stepping.budget = TRIAL_BUDGET;
         let newton = &mut problem.options.stepping.newton;
         newton.tolerance = newton.tolerance.max(SEARCH_TOLERANCE);
@@ -206,6 +214,7 @@ impl<'a> Work<'a> {
             tolerance: if coarse { COARSE_TOLERANCE } else { self.case.identify.tolerance },
             max_trials: if coarse { COARSE_TRIALS } else { FitOptions::default().max_trials },
             max_iterations: match (coarse, stage) {
+                (false, _) if self.all_steps => self.case.identify.max_iterations.min(LAST_ROUNDS),
                 (false, _) => self.case.identify.max_iterations,
                 (true, Stage::Joint) => 30,
                 (true, _) => 10,
@@ -216,8 +225,9 @@ impl<'a> Work<'a> {
             max_step: if stage == Stage::Bulk { 1.5 } else { 0.5 },
             ..FitOptions::default()
         };
-        let problem = self.trial(model, &self.theta, free, &measured.slots);
-        let beside = cheap.map(|m| self.trial(m, &self.theta, free, &measured.slots));
+        let options = if self.all_steps { self.options } else { self.search };
+        let problem = self.trial(model, &self.theta, free, &measured.slots, options);
+        let beside = cheap.map(|m| self.trial(m, &self.theta, free, &measured.slots, self.search));
         let inner = FitOptions {
             tolerance: INNER_TOLERANCE,
             insignificant: INNER_INSIGNIFICANT,

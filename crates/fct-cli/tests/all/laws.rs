@@ -42,7 +42,10 @@ fn what_cannot_be_added_is_told_of_the_file_that_would_be_written() -> Tested {
     let effect = said(&["add", "mulins", "strip.toml"])?;
     assert!(effect.contains("did you mean `mullins`?"), "{effect}");
     // A prior of what the new law does not have.
-    fs::write(here.join("prior.toml"), common::strip("[identify.priors]\nbulk.k1_kPa = { mean = 500.0, relative_sd = 0.1 }\n"))?;
+    fs::write(
+        here.join("prior.toml"),
+        common::strip("[identify.priors]\nbulk.k1_kPa = { mean = 500.0, relative_sd = 0.1 }\n"),
+    )?;
     let fault = said(&["add", "yeoh", "prior.toml", "--out", "yeoh.toml"])?;
     assert!(fault.contains("yeoh.toml:") && !fault.contains(".check.toml"), "{fault}");
     assert!(!here.join("yeoh.toml").exists());
