@@ -1,7 +1,8 @@
 //! Bounded Levenberg–Marquardt with a true-objective acceptance test.
 //!
 //! Marquardt's scaling (a fit does not depend on the units of a parameter), steps as long as the trials
-//! before them allow (`step_control`) and accelerated along the valley they follow (`acceleration`), an active set for the
+//! before them allow (`step_control`) and accelerated along the valley they follow (`acceleration`), what a
+//! large misfit adds to the curvature where that foretells steps better (`curvature`), an active set for the
 //! bounds, and a box around each step in the transformed coordinates, so that a direction that the data
 //! do not fix (a *sloppy* one, Transtrum, Machta & Sethna 2011) cannot run to infinity.
 

@@ -1,6 +1,6 @@
 //! The stages of a search, and their order on the coarse and the given mesh.
 
-use super::work::Work;
+use super::work::{LAST_ROUNDS, STALLED_ROUNDS, Work};
 use super::{AnalysisError, Stage};
 use crate::cost::Phase;
 use input::{Case, Mode};
@@ -164,19 +164,20 @@ impl StagedSearch<'_> {
             work.stopped.push((*stage, StopReason::Stopped.sentence().to_owned(), false));
             return Ok(());
         }
-        work.pausing = false;
+        (work.pausing, work.rounds) = (false, STALLED_ROUNDS);
         work.stage_beside(self.fine, self.cheap, *stage, free, tests, false)?;
         Ok(())
     }
 
     /// The last stages once more by runs with the answer's load steps, where the search took fewer: its optimum is a
-    /// little beside.
+    /// little beside. What a model leaves that misses the tear hides that.
     pub fn with_all_steps(&self, work: &mut Work, list: &[StagePlan]) -> Result<(), AnalysisError> {
         let fewer = self.cheap.is_some() && self.case.identify.coarse_first;
-        if !fewer || self.case.identify.max_iterations == 0 || work.control.cancelled.stops() {
+        let stays = self.case.identify.max_iterations == 0 || work.control.cancelled.stops();
+        if !fewer || stays || work.tear_left.unexplained() {
             return Ok(());
         }
-        (work.pausing, work.all_steps) = (false, true);
+        (work.pausing, work.all_steps, work.rounds) = (false, true, LAST_ROUNDS);
         let joint = list.iter().any(|s| s.0 == Stage::Joint);
         for (stage, free, tests) in list.iter().filter(|s| !joint || s.0 == Stage::Joint) {
             let told = work.stopped.len();

@@ -33,7 +33,10 @@ const INNER_STEPS: usize = 16;
 
 /// Rounds by runs with all load steps, after those with half of them: the first of them brings most of the few units of χ²
 /// that the other steps are worth.
-const LAST_ROUNDS: usize = 1;
+pub(super) const LAST_ROUNDS: usize = 1;
+
+/// Rounds of a stage that stalled: a model that misses the tear by far is not told apart from others by the rest.
+pub(super) const STALLED_ROUNDS: usize = 5;
 
 /// Newton tolerance of the search, if the file's is not coarser: it moves χ² by far less than a step
 /// does. The last run, which the answer is made from, takes the file's.
@@ -56,6 +59,8 @@ pub(crate) struct Work<'a> {
     pub search: RunOptions,
     /// Whether runs on the given mesh take the answer's steps.
     pub(super) all_steps: bool,
+    /// Steps on the given mesh at most, besides the file's limit.
+    pub(super) rounds: usize,
     pub(super) held: Option<()>,
     /// Whether the literature's priors count.
     pub literature: bool,
@@ -142,6 +147,7 @@ impl<'a> Work<'a> {
             options,
             search: options,
             all_steps: false,
+            rounds: usize::MAX,
             held: None,
             literature: case.identify.priors.literature.unwrap_or(false),
             coarse_noise: 0.0,
@@ -214,8 +220,7 @@ impl<'a> Work<'a> {
             tolerance: if coarse { COARSE_TOLERANCE } else { self.case.identify.tolerance },
             max_trials: if coarse { COARSE_TRIALS } else { FitOptions::default().max_trials },
             max_iterations: match (coarse, stage) {
-                (false, _) if self.all_steps => self.case.identify.max_iterations.min(LAST_ROUNDS),
-                (false, _) => self.case.identify.max_iterations,
+                (false, _) => self.case.identify.max_iterations.min(self.rounds),
                 (true, Stage::Joint) => 30,
                 (true, _) => 10,
             },

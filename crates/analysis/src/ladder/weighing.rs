@@ -7,7 +7,7 @@
 use super::decided::Probabilities;
 use super::fit::FAR;
 use super::laws::other_laws;
-use super::settle::{Begun, ROUNDS};
+use super::settle::{Begun, FineStates, ROUNDS};
 use super::{FeLadder, Fitted, LadderSettings, named};
 use crate::columns::transfer;
 use crate::cost::Phase;
@@ -56,13 +56,7 @@ impl<'a> FeLadder<'a> {
         };
         let (mut base, mut states) = ladder.settle(begun, None, 0)?.ok_or_else(none)?;
         if !found.joint && ladder.fine_case.identify.max_iterations > 0 {
-            let begun = match &found.beside {
-                Some(theta) => {
-                    let model = Model::new(ladder.case.clone(), ladder.catalogue, ladder.how)?;
-                    ladder.begun_at(model, theta)?
-                }
-                None => ladder.begun_of(&base)?,
-            };
+            let begun = ladder.begun_together(&base, &states, found.beside.as_deref())?;
             let all = ladder.settle(begun, Some(&states), ROUNDS)?.ok_or_else(none)?;
             ladder.identified = Some(std::mem::replace(&mut base, all.0));
             states = all.1;
@@ -90,6 +84,24 @@ impl<'a> FeLadder<'a> {
         let found = searched(&self.fine_case, self.catalogue, &control)?;
         self.runs.fetch_add(found.runs, Ordering::Relaxed);
         Ok(found)
+    }
+
+    /// Where the base model's fit to all records begins: at the identification's answer, or where all its parameters together
+    /// ended beside that, if that misses the records less.
+    fn begun_together(
+        &self,
+        base: &Fitted,
+        states: &FineStates,
+        beside: Option<&[f64]>,
+    ) -> Result<Begun, AnalysisError> {
+        if let Some(theta) = beside {
+            let again = || Model::new(self.case.clone(), self.catalogue, self.how);
+            let there = self.settle(self.begun_at(again()?, theta)?, Some(states), 0)?;
+            if there.is_some_and(|(f, _)| f.fit.f < base.fit.f) {
+                return self.begun_at(again()?, theta);
+            }
+        }
+        self.begun_of(base)
     }
 
     /// A model of the search's mesh at values of the file's, as the start of a fit.
