@@ -44,7 +44,7 @@ impl Curvature {
     /// S such that S s = `turned`, nearest to S in the metric of a matrix that takes s to `gradient`, its change along s.
     fn update(&mut self, step: &DVector<f64>, gradient: &DVector<f64>, turned: &DVector<f64>) {
         let along = gradient.dot(step);
-        if !(along.abs() > 1e-12 * gradient.norm() * step.norm()) {
+        if along.abs() <= 1e-12 * gradient.norm() * step.norm() {
             return;
         }
         let own = step.dot(&(&self.s * step)).abs();
