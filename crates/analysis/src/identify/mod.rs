@@ -6,6 +6,7 @@ mod intervals;
 mod nearby;
 mod rest;
 mod search;
+mod tear_misfit;
 mod work;
 
 pub(crate) use search::{StagePlan, stages};

@@ -1,13 +1,13 @@
 //! An identification in progress: one stage's search after the other.
 
+use super::tear_misfit::TearMisfit;
 use super::{AnalysisError, Control, HistoryEntry, Progress, Stage};
 use crate::data::Measured;
 use crate::journal::{Asked, remembered};
 use crate::problem::FeProblem;
 use input::Case;
 use inverse::{FitOptions, Free, Iterate, MappedOptions, MultiStart, Objective, StopReason};
-use model::{Channel, Model, RunOptions};
-use nalgebra::DVector;
+use model::{Model, RunOptions};
 use std::ops::ControlFlow;
 
 /// The coarse mesh only brings the search near: a fall of half a percent is not worth a run, nor is a
@@ -83,55 +83,6 @@ pub(crate) struct Work<'a> {
 /// Free parameters as the optimiser sees them, at θ.
 pub fn free_parameters(model: &Model, theta: &[f64], free: &[usize]) -> Vec<Free> {
     free.iter().map(|&i| Free { start: theta[i], ..Free::of(&model.parameters[i]) }).collect()
-}
-
-/// Standard deviations of χ² that are left to chance.
-const CHANCE: f64 = 3.0;
-
-/// Share of the tear's excess that a step leaves where other parameters may have to move.
-const STALLED: f64 = 0.5;
-
-/// χ² of the tearing records that a fit left, with their noise as if it were white.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct TearMisfit {
-    chi2: f64,
-    points: f64,
-}
-
-impl TearMisfit {
-    fn of(model: &Model, measured: &Measured, predicted: &DVector<f64>) -> Self {
-        let misfit = measured.data.misfit(predicted);
-        let mut left = Self::default();
-        for (slot, block) in measured.slots.iter().zip(&measured.data.blocks) {
-            if model.tests[slot.test].test.kind.tears && slot.channel == Channel::Force {
-                let own = |i: usize| (misfit[i] / block.noise.sd_of(i - block.range.start)).powi(2);
-                let used = || block.range.clone().filter(|&i| measured.data.is_used(i));
-                left.chi2 += used().map(own).sum::<f64>();
-                left.points += used().count() as f64;
-            }
-        }
-        left
-    }
-
-    /// Per point; no record of a tear: not a number.
-    pub fn per_point(self) -> f64 {
-        self.chi2 / self.points
-    }
-
-    /// What noise alone does not leave.
-    pub fn excess(self) -> f64 {
-        self.chi2 - self.points
-    }
-
-    /// Whether noise alone would not leave as much.
-    pub fn unexplained(self) -> bool {
-        self.excess() > CHANCE * (2.0 * self.points).sqrt()
-    }
-
-    /// Whether a step that began with `before` led hardly nearer to what noise leaves.
-    fn stalls(self, before: Self) -> bool {
-        self.unexplained() && self.excess() > STALLED * before.excess()
-    }
 }
 
 impl<'a> Work<'a> {
