@@ -129,7 +129,7 @@ impl StagedSearch<'_> {
     /// A bulk that the intact strip alone leaves open, along the valley of its sloppy combinations, may end where the
     /// tear cannot be explained: all parameters are then fitted to all records, from the beginning, since strengths that
     /// made up for a wrong bulk are a bad start. The stages stand where that does not help. Either pauses where it stalls,
-    /// and what is better there is what goes on.
+    /// and is taken to its end only if it is the one that stands.
     pub fn release(&self, work: &mut Work, own: &[StagePlan]) -> Result<Option<StagePlan>, AnalysisError> {
         let before = work.tear_left;
         let (theta, held, starts, paused) = (work.theta.clone(), work.held, work.starts.clone(), work.paused);
@@ -141,7 +141,7 @@ impl StagedSearch<'_> {
         if !ended || work.tear_left.excess() > HELPED * before.excess() {
             let there = std::mem::replace(&mut work.theta, theta);
             work.beside = ended.then_some(there);
-            (work.held, work.starts) = (held, starts);
+            (work.held, work.starts, work.tear_left) = (held, starts, before);
             work.stopped.truncate(stopped);
             self.go_on(work, paused, own)?;
             return Ok(None);
