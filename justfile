@@ -167,7 +167,7 @@ design-power:
 long-records:
     cargo test --workspace --test all sampling:: -- --ignored --nocapture
 
-# A study as a Slurm array on one node, by Debian's package (installed if need be; root), against the serial run. Five minutes.
+# A study as a Slurm array on one node, by Debian's package (installed if need be; root), against the serial run. Ten minutes.
 slurm:
     cargo build --workspace
     tests/slurm.sh target/debug/fct

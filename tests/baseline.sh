@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # CPU seconds of the targets of docs/performance.md, as ratios to an earlier commit that is built beside this one: the two
 # programs take turns on every work, so that a machine that changes its speed changes both. Not on a busy machine.
-# Usage: tests/baseline.sh [identify|batch|practice|real]...   (all of them: hours, most of it the earlier commit's)
+# Usage: tests/baseline.sh [identify|batch|practice|real|practice/RECORD|real/RECORD]...   (all of them: hours)
 set -euo pipefail
 commit=789214f
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -19,47 +19,76 @@ if ! [ -d "$old" ]; then
 fi
 (cd "$old" && CARGO_TARGET_DIR="$top/target/baseline/build" cargo build --release -q)
 cargo build --release -q
-then_fct=$top/target/baseline/build/release/fct
-now_fct=${CARGO_TARGET_DIR:-$top/target}/release/fct
 
+# Copies, so that a build in the meantime changes nothing.
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
-runs=0
+then_fct=$out/then now_fct=$out/now
+cp "$top/target/baseline/build/release/fct" "$then_fct"
+cp "${CARGO_TARGET_DIR:-$top/target}/release/fct" "$now_fct"
 
-# CPU seconds of `$1 COMMAND…`, user and system, children included; what it answers in $out/N/.
-cpu() {
-    runs=$((runs + 1))
-    local TIMEFORMAT='%U %S'
-    { time "$@" --threads 1 --quiet --out "$out/$runs" >/dev/null 2>&1; } 2>&1 | awk '{ printf "%.1f", $1 + $2 }'
+# `$1 COMMAND…` in a folder of its own: CPU seconds, user and system, children included, and what it answers. A command that
+# fails is no measurement.
+measured() {
+    local TIMEFORMAT='%U %S' run
+    run=$(mktemp -d -p "$out")
+    { time "$@" --threads 1 --quiet --json --out "$run/run" >"$run/answer" 2>"$run/err" || touch "$run/failed"; } 2>"$run/time"
+    if [ -e "$run/failed" ]; then
+        echo "baseline: $* failed:" >&2
+        tail -3 "$run/err" >&2
+        echo "failed failed"
+        return
+    fi
+    awk '{ printf "%.1f ", $1 + $2 }' "$run/time"
+    answer "$run/answer"
 }
 
-# A row: what, then, now, ratio.
+# The verdict and the effects found of a search, the last line of whose answer holds them; else reduced χ² of each fit.
+answer() {
+    local last
+    last=$(tail -n 1 "$1")
+    if [[ "$last" == *'"verdict"'* ]]; then
+        grep -o '"verdict":"[^"]*"\|"found":\[[^]]*\]' <<<"$last" | sed 's/"verdict"://; s/"found"://' | tr -d '"' | sort | tr '\n' ' ' || true
+    else
+        grep -o '"reduced_chi2":[0-9.]*' "$1" | sed 's/.*://' | awk '{ printf "%.3f ", $1 }' || true
+    fi
+}
+
+# A row: what, then, now, ratio, answers of both.
 row() {
     local what=$1
     shift
     local before after
-    before=$(cpu "$then_fct" "$@")
-    after=$(cpu "$now_fct" "$@")
-    awk -v w="$what" -v a="$before" -v b="$after" 'BEGIN { printf "| %s | %s | %s | %.2f |\n", w, a, b, b / a }'
+    before=$(measured "$then_fct" "$@")
+    after=$(measured "$now_fct" "$@")
+    awk -v w="$what" -v a="$before" -v b="$after" 'BEGIN {
+        split(a, x, " "); split(b, y, " ")
+        sub(/^[^ ]* */, "", a); sub(/^[^ ]* */, "", b); sub(/ *$/, "", a); sub(/ *$/, "", b)
+        ratio = (x[1] + 0 > 0 && y[1] + 0 > 0) ? sprintf("%.2f", y[1] / x[1]) : "–"
+        printf "| %s | %s | %s | %s | %s | %s |\n", w, x[1], y[1], ratio, a, b
+    }'
 }
 
-echo "| work | $commit, CPU s | now, CPU s | ratio |"
-echo "|---|---|---|---|"
+# One record of a folder.
+search() {
+    if [ -f "$1/config.toml" ]; then
+        row "discover $(basename "$1")" discover "$1/config.toml"
+    else
+        echo "baseline: no record $1 (FCT_SHARED names the folder)" >&2
+        exit 2
+    fi
+}
+
+echo "| work | $commit, CPU s | now, CPU s | ratio | $commit answers | now |"
+echo "|---|---|---|---|---|---|"
 for work in "${wanted[@]}"; do
     case $work in
         identify) row "identify configs/FCT1.toml" identify configs/FCT1.toml ;;
         batch) row "batch FCT1–FCT5" batch configs/FCT1.toml configs/FCT2.toml configs/FCT3.toml configs/FCT4.toml configs/FCT5.toml ;;
-        practice | real)
-            found=0
-            for config in "$shared/$work"/*/config.toml; do
-                [ -f "$config" ] || continue
-                found=1
-                row "discover $(basename "$(dirname "$config")")" discover "$config"
-            done
-            [ $found = 1 ] || echo "baseline: no records in $shared/$work (FCT_SHARED names the folder)" >&2
-            ;;
+        practice | real) for record in "$shared/$work"/*/; do search "${record%/}"; done ;;
+        practice/* | real/*) search "$shared/$work" ;;
         *)
-            echo "baseline: no work \`$work\`: identify, batch, practice, real" >&2
+            echo "baseline: no work \`$work\`: identify, batch, practice, real, practice/RECORD, real/RECORD" >&2
             exit 2
             ;;
     esac

@@ -74,7 +74,7 @@ done
     exit 1
 }
 
-# Four synthetic strips in two groups, each fitted six times.
+# Four synthetic strips in two groups, each fitted thirteen times: a share must be long enough to be cut in two.
 mkdir "$here/study" && cd "$here/study"
 echo "file,group,donor,exclude" >table.csv
 for k in $(seq 4); do
@@ -117,10 +117,10 @@ cat >model.toml <<MODEL
 divisions = [16, 16, 1]
 MODEL
 printf '%s\n' 'name = "strips"' 'table = "table.csv"' '[[models]]' 'name = "base"' 'config = "model.toml"' \
-    '[repeats]' 'bootstrap = 5' 'seed = 5' >study.toml
+    '[repeats]' 'bootstrap = 12' 'seed = 5' >study.toml
 cp -r . ../serial
 
-"$fct" campaign slurm study.toml --array 4 --memory 200M --time 00:10:00 >job.sh
+"$fct" campaign slurm study.toml --array 4 --memory 200M --time 00:20:00 >job.sh
 id=$(sbatch --parsable job.sh)
 # Until it has done something of its share, and has something left.
 for _ in $(seq 600); do
@@ -133,13 +133,13 @@ for _ in $(seq 60); do
     scontrol update jobid="${id}_1" starttime=now 2>/dev/null && break
     sleep 1
 done
-for _ in $(seq 300); do
+for _ in $(seq 900); do
     [ -z "$(squeue -h -j "$id" 2>/dev/null)" ] && break
     sleep 1
 done
 [ -z "$(squeue -h -j "$id" 2>/dev/null)" ] || {
     squeue >&2
-    echo "slurm: not done after five minutes" >&2
+    echo "slurm: not done after a quarter of an hour" >&2
     exit 1
 }
 cat slurm-*.out

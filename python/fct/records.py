@@ -38,8 +38,8 @@ class Record:
     """One test's record.
 
     ``csv`` is the canonical text: ``time_s,displacement_mm,force_N`` and what else was measured
-    (``grip_displacement_mm``, ``tear_front_mm``, ``width_change_mm``, ``segment``). ``kind`` is the experiment
-    (``"uniaxial"``, ``"tearing"``), if it is known. Two records of the same text are equal.
+    (``grip_displacement_mm``, ``tear_front_mm``, ``width_change_mm``, ``segment``; ``displacement_x_mm``, ``force_x_N``
+    of a biaxial test). ``kind`` is the experiment (``"uniaxial"``, ``"tearing"``, ``"biaxial"`` …), if it is known. Two records of the same text are equal.
     """
 
     csv: str
@@ -103,7 +103,7 @@ def read_record(
 
 def _of_file(path: Path, kind: str, choices: dict[str, Any]) -> Record:
     flags = [(name.replace("_", "-"), str(value)) for name, value in choices.items()]
-    tests, reading = _fct.import_record(path, flags)
+    tests, reading = _fct.import_record(path, flags, kind)
     if len(tests) != 1:
         raise InputError(f"{path}: {len(tests)} tests in one file; import them with `fct import`")
     name, _, text = tests[0]
@@ -140,9 +140,11 @@ def _check(text: str) -> None:
     with tempfile.TemporaryDirectory(prefix="fct-") as folder:
         Path(folder, "record.csv").write_text(text, encoding="utf-8")
         specimen = Path(folder, "specimen.toml")
+        # What is measured along x is a biaxial test's.
+        kind = "biaxial" if "force_x_N" in text.split("\n", 1)[0] else "uniaxial"
         specimen.write_text(
             "[geometry]\nlength_mm = 10.0\nwidth_mm = 6.0\nthickness_mm = 1.0\n"
-            '[[tests]]\nkind = "uniaxial"\ndata = "record.csv"\n',
+            f'[[tests]]\nkind = "{kind}"\ndata = "record.csv"\n',
             encoding="utf-8",
         )
         _fct.check(specimen)

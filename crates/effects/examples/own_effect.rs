@@ -22,6 +22,7 @@ static CARD: Card = Card {
     shows_in: &["hold", "rate change", "unload"],
     look_alikes: &["viscoelastic", "lag", "compliance"],
     separated_by: "a camera on the clamped edges (grip_displacement_mm) sees it directly",
+    ordinary: "C for which the grips take 5 % of the travel at the peak force: soft linings",
     excludes: &[],
     needs: &[],
     screening: Screening::Score(Sided::Positive),

@@ -95,6 +95,7 @@ fn facts(effect: &dyn Effect) -> Vec<(&'static str, String)> {
         ("shows in", card.shows_in.join(", ")),
         ("look-alikes", or_none(card.look_alikes)),
         ("separated by", card.separated_by.to_owned()),
+        ("ordinary size (the search's prior)", card.ordinary.to_owned()),
         ("needs", or_none(card.needs)),
         ("screening", screening(card)),
     ];

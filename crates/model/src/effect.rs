@@ -85,6 +85,10 @@ pub struct Card {
     pub look_alikes: &'static [&'static str],
     /// The test or channel that separates it from them.
     pub separated_by: &'static str,
+    /// The size of its first parameter (the amplitude) that a lab would call ordinary, and why. [`Effect::start`] gives it in
+    /// numbers; a search believes the amplitude to be normal around neutral (half-normal where it has a sign) with this
+    /// distance as its standard deviation.
+    pub ordinary: &'static str,
     /// Effects that cannot be used together with it.
     pub excludes: &'static [&'static str],
     /// What records must hold for the effect to be visible at all: `"unloading"`, `"tearing"`, `"two tests"`; and

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Choices {
     /// Columns by flag (`time`, `displacement`, `force`, `grip-displacement`, `tear-front`, `width-change`,
-    /// `segment`): a number from 1, or a name.
+    /// `segment`; with two axes `displacement-x` and `force-x`): a number from 1, or a name.
     pub columns: BTreeMap<String, String>,
     /// Units by flag.
     pub units: BTreeMap<String, String>,
@@ -35,8 +35,11 @@ pub struct Choices {
     pub drop: Vec<FaultKind>,
     /// What a clock that starts again means.
     pub restart: Option<Restart>,
-    /// Points of a longer test that is thinned out; `None`: every row is kept.
+    /// Points of a longer test that is thinned out; `None`, or with two axes: every row is kept.
     pub points: Option<usize>,
+    /// A second actuator pulls along x, and a second load cell measures there: both are needed, and the displacement and the
+    /// force are those along y.
+    pub two_axes: bool,
     /// Strain and stress are true (logarithmic, Cauchy), not engineering.
     pub true_measures: bool,
 }
@@ -130,7 +133,7 @@ impl Choices {
                 });
             }
             "time" | "displacement" | "force" | "grip-displacement" | "tear-front" | "width-change"
-            | "segment" => {
+            | "displacement-x" | "force-x" | "segment" => {
                 self.columns.insert(flag.to_owned(), value.to_owned());
             }
             _ => return Err(format!("no flag --{flag} takes an answer here")),
@@ -171,8 +174,16 @@ pub fn delimiter(value: &str) -> Result<char, String> {
 /// # Errors
 /// What was expected.
 pub fn units(value: &str) -> Result<BTreeMap<String, String>, String> {
-    const FLAGS: [&str; 6] =
-        ["time", "displacement", "force", "grip-displacement", "tear-front", "width-change"];
+    const FLAGS: [&str; 8] = [
+        "time",
+        "displacement",
+        "force",
+        "displacement-x",
+        "force-x",
+        "grip-displacement",
+        "tear-front",
+        "width-change",
+    ];
     let mut out = BTreeMap::new();
     for part in value.split(',').filter(|p| !p.trim().is_empty()) {
         let (flag, unit) =

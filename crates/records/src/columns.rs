@@ -5,7 +5,7 @@ use crate::dialects::Hints;
 use crate::error::{Fault, Question, visible};
 use crate::layout::Block;
 use crate::units::{self, Measure, Unit};
-use crate::words::{Role, fits, fold};
+use crate::words::{Role, fits, fits_on_axis, fold};
 use serde::Serialize;
 
 /// A column that is used.
@@ -70,13 +70,15 @@ pub(crate) struct Assigner<'a> {
 
 /// Channels that a record must have or may have.
 const NEEDED: [Role; 3] = [Role::Time, Role::Displacement, Role::Force];
+const ACROSS: [Role; 2] = [Role::DisplacementX, Role::ForceX];
 const CAMERA: [Role; 3] = [Role::GripDisplacement, Role::TearFront, Role::WidthChange];
 
 impl Assigner<'_> {
     /// All columns that are used; segments last. Without a time there must be a rate or a frequency.
     pub fn assign(&self) -> Result<Vec<Column>, Open> {
         let (mut out, mut open) = (Vec::new(), Open::default());
-        for role in NEEDED.into_iter().chain(CAMERA) {
+        let across: &[Role] = if self.choices.two_axes { &ACROSS } else { &[] };
+        for role in NEEDED.into_iter().chain(across.iter().copied()).chain(CAMERA) {
             match self.find(role) {
                 Ok(Some((index, role))) => match self.unit(index, role) {
                     Ok(column) => out.push(column),
@@ -161,6 +163,9 @@ impl Assigner<'_> {
             return 0;
         }
         let folded = fold(&bare);
+        if self.choices.two_axes && role.on_axis().is_some() {
+            return fits_on_axis(&bare, role);
+        }
         if self.hints.columns.iter().any(|(r, name)| *r == role && *name == folded) {
             return 4;
         }
@@ -196,7 +201,8 @@ impl Assigner<'_> {
 
     fn unit(&self, index: usize, role: Role) -> Result<Column, Question> {
         let (_, written) = self.bare(index);
-        let hinted = self.hints.units.iter().find(|(r, _)| *r == role).map(|u| u.1.to_owned());
+        let kin = role.on_axis().map_or(role, |(_, channel)| channel);
+        let hinted = self.hints.units.iter().find(|(r, _)| *r == kin).map(|u| u.1.to_owned());
         // A stretch is a ratio of lengths: it needs no unit.
         let pure = (role == Role::Stretch).then(|| "1".to_owned());
         if role == Role::Time && (self.clock)(index) {
@@ -213,7 +219,7 @@ impl Assigner<'_> {
         let name = self.block.shown(index);
         let examples: &[&str] = match role {
             Role::Time => &["s", "ms", "min"],
-            Role::Force => &["N", "mN", "kN"],
+            Role::Force | Role::ForceX => &["N", "mN", "kN"],
             Role::Strain | Role::Stretch => &["%", "1"],
             Role::Stress => &["MPa", "kPa", "Pa"],
             _ => &["mm", "um", "m"],

@@ -280,7 +280,8 @@ fn test(mut rows: Rows, choices: &Choices) -> Result<Test, Vec<Fault>> {
             "look at the faults of the rows before; --skip-rows and --restart say what belongs together",
         ));
     }
-    if physics::range(&rows.displacement) <= 0.0 {
+    let still = |u: &[f64]| physics::range(u) <= 0.0;
+    if still(&rows.displacement) && rows.across[0].as_deref().is_none_or(still) {
         let message = "the displacement is the same in every row; expected a test that moves".to_owned();
         return Err(fault(first, message, "name the column of the actuator: --displacement N"));
     }
@@ -295,7 +296,9 @@ fn test(mut rows: Rows, choices: &Choices) -> Result<Test, Vec<Fault>> {
             segments.push(l.clone());
         }
     }
-    let reduced = choices.points.and_then(|points| reduce::reduce(&rows, points));
+    // One standard deviation for all points is made for one force.
+    let points = choices.points.filter(|_| !choices.two_axes);
+    let reduced = points.and_then(|points| reduce::reduce(&rows, points));
     let size = reduced.as_ref().map_or(1, |r| r.1.rows_per_point);
     let (of_rows, of_points) = reduce::deviations(&rows, size);
     let last = rows.row.last().copied();

@@ -22,16 +22,17 @@ pub(crate) fn inspect(rows: &mut Rows, choices: &Choices, out: &mut Vec<Found>) 
         let numbers: Vec<u32> = at.iter().map(|i| rows.row[*i]).collect();
         out.push(found(kind, &numbers, dropped, what, remedy));
     };
-    for (channel, word) in [(&rows.force, "force"), (&rows.displacement, "displacement")] {
+    for (channel, word) in rows.named() {
         let spikes = spikes(channel);
         if !spikes.is_empty() {
             let what = format!("{} of the {word}, far from both neighbours", counted(spikes.len(), "value"));
             tell(FaultKind::Spike, &spikes, what, "--drop spike leaves them out", &mut keep);
         }
     }
-    if let Some((run, level)) = clipped(&rows.force, &rows.displacement) {
+    for (force, displacement, word) in rows.axes() {
+        let Some((run, level)) = clipped(force, displacement) else { continue };
         let what = format!(
-            "the force stays at {} N, its extreme, over {} rows while the actuator moves: the load cell's limit?",
+            "the {word} stays at {} N, its extreme, over {} rows while the actuator moves: the load cell's limit?",
             short(level),
             run.len()
         );
@@ -43,11 +44,12 @@ pub(crate) fn inspect(rows: &mut Rows, choices: &Choices, out: &mut Vec<Found>) 
         let what = format!("{} of rows in an otherwise regular record", counted(gaps.len(), "gap"));
         tell(FaultKind::Gap, &gaps, what, "nothing to do: points may be unevenly spaced", &mut keep);
     }
-    if let Some(step) = coarse(&rows.force) {
+    for (force, _, word) in rows.axes() {
+        let Some(step) = coarse(force) else { continue };
         let what = format!(
-            "the force comes in steps of {} N, {} % of its range",
+            "the {word} comes in steps of {} N, {} % of its range",
             short(step),
-            short(100.0 * step / range(&rows.force))
+            short(100.0 * step / range(force))
         );
         tell(
             FaultKind::Quantised,

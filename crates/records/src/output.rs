@@ -8,6 +8,8 @@ use std::fmt::Write;
 
 /// Names of the camera channels in the canonical form.
 const CAMERA: [&str; 3] = ["grip_displacement_mm", "tear_front_mm", "width_change_mm"];
+/// Names of the channels of a second axis in the canonical form.
+const ACROSS: [&str; 2] = ["displacement_x_mm", "force_x_N"];
 
 /// The canonical CSV of a test; comments say where it is from. Numbers are the shortest that read back the same.
 pub(crate) fn csv(rows: &Rows, comments: &[String]) -> String {
@@ -19,7 +21,7 @@ pub(crate) fn csv(rows: &Rows, comments: &[String]) -> String {
     if !rows.label.is_empty() {
         out.push_str(",segment");
     }
-    for (name, channel) in CAMERA.iter().zip(&rows.camera) {
+    for (name, channel) in ACROSS.iter().zip(&rows.across).chain(CAMERA.iter().zip(&rows.camera)) {
         if channel.is_some() {
             let _ = write!(out, ",{name}");
         }
@@ -31,7 +33,7 @@ pub(crate) fn csv(rows: &Rows, comments: &[String]) -> String {
             let label = rows.labels.get(rows.label[i] as usize).map_or("", String::as_str);
             let _ = write!(out, ",{}", cell(label));
         }
-        for channel in rows.camera.iter().flatten() {
+        for channel in rows.across.iter().chain(&rows.camera).flatten() {
             // Empty: not seen at that time.
             let _ = if channel[i].is_finite() { write!(out, ",{}", channel[i]) } else { write!(out, ",") };
         }

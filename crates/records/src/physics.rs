@@ -177,6 +177,7 @@ pub(crate) fn settle(rows: &mut Rows, choices: &Choices, noise: f64) -> (Vec<Str
             why: format!("the displacement starts at {} mm; a record starts at 0", short(start)),
         });
     }
+    across(rows, choices, still, &mut done, &mut proposals);
     let large = before.abs() > (0.01 * f_range).max(4.0 * noise / (still as f64).sqrt());
     if choices.tare {
         rows.force.iter_mut().for_each(|x| *x -= before);
@@ -210,6 +211,61 @@ pub(crate) fn settle(rows: &mut Rows, choices: &Choices, noise: f64) -> (Vec<Str
         }
     }
     (done, proposals)
+}
+
+/// The same for a second axis: `--flip` alone (or for both) turns what runs to negative values there; offsets go with those
+/// along y. `still`: rows before the motion.
+fn across(
+    rows: &mut Rows,
+    choices: &Choices,
+    still: usize,
+    done: &mut Vec<String>,
+    proposals: &mut Vec<Proposal>,
+) {
+    let [Some(displacement), Some(force)] = &mut rows.across else { return };
+    let flips = matches!(choices.flip, Some(Flip::Found | Flip::Both));
+    for (channel, word) in [(&mut *displacement, "displacement along x"), (&mut *force, "force along x")] {
+        if !is_negative(channel) {
+            continue;
+        }
+        if flips {
+            channel.iter_mut().for_each(|x| *x = -*x + 0.0);
+            done.push(format!("sign of the {word} turned (--flip)"));
+        } else {
+            proposals.push(Proposal {
+                flag: "--flip".into(),
+                why: format!(
+                    "the {word} runs to negative values; expected tension and lengthening to be positive"
+                ),
+            });
+        }
+    }
+    let (start, u_range, f_range) = (displacement[0], range(displacement), range(force));
+    let still = &force[..still.min(force.len())];
+    let before = still.iter().sum::<f64>() / still.len() as f64;
+    if choices.zero {
+        displacement.iter_mut().for_each(|x| *x -= start);
+        done.push(format!("{} mm taken off the displacement along x (--zero)", short(start)));
+    } else if start.abs() > 1e-3 * u_range {
+        proposals.push(Proposal {
+            flag: "--zero".into(),
+            why: format!("the displacement along x starts at {} mm; a record starts at 0", short(start)),
+        });
+    }
+    let noise = crate::noise::sd(force) / (still.len() as f64).sqrt();
+    if choices.tare {
+        force.iter_mut().for_each(|x| *x -= before);
+        done.push(format!("{} N taken off the force along x (--tare)", short(before)));
+    } else if before.abs() > (0.01 * f_range).max(4.0 * noise) {
+        proposals.push(Proposal {
+            flag: "--tare".into(),
+            why: format!(
+                "the force along x before the motion is {} N: a pre-load, which is information, or a cell that was not \
+                 zeroed, which --tare takes off",
+                short(before)
+            ),
+        });
+    }
 }
 
 /// Whether a channel runs from its start mostly to the negative side.

@@ -24,6 +24,8 @@ pub struct Rows {
     pub force: Vec<f64>,
     /// Camera channels that the file has: clamps, tear, width.
     pub camera: [Option<Vec<f64>>; 3],
+    /// Along x, where a second actuator pulls there: its displacement, the force of its load cell.
+    pub across: [Option<Vec<f64>>; 2],
     /// Index into `labels`; empty without segments.
     pub label: Vec<u32>,
     /// Names of segments, in their order.
@@ -71,6 +73,8 @@ pub(crate) fn read(
     for (channel, column) in rows.camera.iter_mut().zip(cameras) {
         *channel = column.map(|_| Vec::new());
     }
+    let across = [of(&[Role::DisplacementX]), of(&[Role::ForceX])];
+    rows.across = across.map(|column| column.map(|_| Vec::new()));
     let mut ranges = Vec::new();
     let mut label = String::new();
     for (table, block) in blocks.iter().enumerate() {
@@ -103,6 +107,9 @@ pub(crate) fn read(
             rows.time.push(t);
             rows.displacement.push(u);
             rows.force.push(f);
+            for (channel, column) in rows.across.iter_mut().zip(across) {
+                channel.iter_mut().for_each(|c| c.push(needed(column)));
+            }
             for (channel, column) in rows.camera.iter_mut().zip(cameras) {
                 if let (Some(channel), Some(column)) = (channel, column) {
                     // A camera sees less often than the load cell: a blank is no fault.
@@ -169,6 +176,27 @@ impl Rows {
         self.row.is_empty()
     }
 
+    /// Force, displacement and what the force is called, along y and, if there is a second axis, along x.
+    pub(crate) fn axes(&self) -> Vec<(&[f64], &[f64], &'static str)> {
+        let mut out = vec![(self.force.as_slice(), self.displacement.as_slice(), "force")];
+        if let [Some(displacement), Some(force)] = &self.across {
+            out.push((force, displacement, "force along x"));
+        }
+        out
+    }
+
+    /// Forces and displacements with their names.
+    pub(crate) fn named(&self) -> Vec<(&[f64], &'static str)> {
+        let mut out = vec![(self.force.as_slice(), "force"), (self.displacement.as_slice(), "displacement")];
+        if let [Some(displacement), Some(force)] = &self.across {
+            out.extend([
+                (force.as_slice(), "force along x"),
+                (displacement.as_slice(), "displacement along x"),
+            ]);
+        }
+        out
+    }
+
     /// Keeps the rows that are marked.
     pub fn keep(&mut self, marked: &[bool]) {
         fn some<T: Copy>(all: &mut Vec<T>, marked: &[bool]) {
@@ -184,7 +212,7 @@ impl Rows {
         some(&mut self.displacement, marked);
         some(&mut self.force, marked);
         some(&mut self.label, marked);
-        self.camera.iter_mut().flatten().for_each(|c| some(c, marked));
+        self.camera.iter_mut().chain(&mut self.across).flatten().for_each(|c| some(c, marked));
     }
 
     /// Some rows in a row.
@@ -196,6 +224,7 @@ impl Rows {
             displacement: self.displacement[range.clone()].to_vec(),
             force: self.force[range.clone()].to_vec(),
             camera: self.camera.clone().map(|c| c.map(|c| c[range.clone()].to_vec())),
+            across: self.across.clone().map(|c| c.map(|c| c[range.clone()].to_vec())),
             label: if self.label.is_empty() { Vec::new() } else { self.label[range].to_vec() },
             labels: self.labels.clone(),
         }

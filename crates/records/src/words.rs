@@ -25,8 +25,19 @@ pub enum Role {
     TearFront,
     /// Camera: change of the width.
     WidthChange,
+    /// Displacement of the actuator that pulls along x, in a biaxial test.
+    DisplacementX,
+    /// Force of the load cell along x, in a biaxial test.
+    ForceX,
     /// Name or number of a segment, cycle or phase.
     Segment,
+}
+
+/// An axis of the sheet: x is the width, y the length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Axis {
+    X,
+    Y,
 }
 
 impl Role {
@@ -39,7 +50,21 @@ impl Role {
             Self::GripDisplacement => "grip-displacement",
             Self::TearFront => "tear-front",
             Self::WidthChange => "width-change",
+            Self::DisplacementX => "displacement-x",
+            Self::ForceX => "force-x",
             Self::Segment => "segment",
+        }
+    }
+
+    /// The axis of a channel of a test with two, and what the channel is called but for it.
+    pub(crate) fn on_axis(self) -> Option<(Axis, Self)> {
+        match self {
+            Self::Displacement | Self::Strain | Self::Stretch | Self::Force | Self::Stress => {
+                Some((Axis::Y, self))
+            }
+            Self::DisplacementX => Some((Axis::X, Self::Displacement)),
+            Self::ForceX => Some((Axis::X, Self::Force)),
+            _ => None,
         }
     }
 
@@ -52,12 +77,14 @@ impl Role {
             Self::GripDisplacement => &[Self::GripDisplacement],
             Self::TearFront => &[Self::TearFront],
             Self::WidthChange => &[Self::WidthChange],
+            Self::DisplacementX => &[Self::DisplacementX],
+            Self::ForceX => &[Self::ForceX],
             _ => &[],
         }
     }
 
     /// The channel in a sentence.
-    pub(crate) fn spoken(self) -> &'static str {
+    pub fn spoken(self) -> &'static str {
         match self {
             Self::Time => "time",
             Self::Displacement => "displacement",
@@ -68,6 +95,8 @@ impl Role {
             Self::GripDisplacement => "clamps' displacement",
             Self::TearFront => "tear's front",
             Self::WidthChange => "change of width",
+            Self::DisplacementX => "displacement along x",
+            Self::ForceX => "force along x",
             Self::Segment => "segment",
         }
     }
@@ -76,10 +105,12 @@ impl Role {
     pub fn measure(self) -> Option<Measure> {
         match self {
             Self::Time => Some(Measure::Time),
-            Self::Displacement | Self::GripDisplacement | Self::TearFront | Self::WidthChange => {
-                Some(Measure::Length)
-            }
-            Self::Force => Some(Measure::Force),
+            Self::Displacement
+            | Self::GripDisplacement
+            | Self::TearFront
+            | Self::WidthChange
+            | Self::DisplacementX => Some(Measure::Length),
+            Self::Force | Self::ForceX => Some(Measure::Force),
             Self::Strain | Self::Stretch => Some(Measure::Ratio),
             Self::Stress => Some(Measure::Stress),
             Self::Segment => None,
@@ -242,6 +273,29 @@ pub fn fits(name: &str, role: Role) -> u8 {
     u8::from(!segment && listed().any(inside))
 }
 
+/// How well a column's name says that it is a channel of a test with two axes: as [`fits`], and along its axis. A name
+/// without an axis may be the one along y.
+pub(crate) fn fits_on_axis(name: &str, role: Role) -> u8 {
+    let Some((axis, channel)) = role.on_axis() else { return fits(name, role) };
+    let folded = fold(name);
+    let said = match folded.as_str() {
+        "fx" | "ux" | "dx" => Some(Axis::X),
+        "fy" | "uy" | "dy" => Some(Axis::Y),
+        words if words.split(' ').any(|w| w == "x") => Some(Axis::X),
+        words if words.split(' ').any(|w| w == "y") => Some(Axis::Y),
+        _ => None,
+    };
+    if said.unwrap_or(Axis::Y) != axis {
+        return 0;
+    }
+    // Of two names along y, the one that says so is meant.
+    let sure = |score: u8| if said.is_none() { score.min(1) } else { score };
+    match (folded.as_str(), channel) {
+        ("fx" | "fy", Role::Force) | ("ux" | "uy" | "dx" | "dy", Role::Displacement) => 3,
+        _ => sure(fits(name, channel)),
+    }
+}
+
 /// Whether a text is the name of a column, or the key of a dimension, in any language.
 pub(crate) fn is_known(text: &str) -> bool {
     let (bare, _) = crate::units::split(text);
@@ -348,6 +402,24 @@ mod tests {
         assert_eq!(fits("Peak Load", Role::Force), 0);
         assert_eq!(fits("Tip Displacement", Role::Displacement), 2);
         assert_eq!(fits("Load Channel", Role::Force), 2);
+    }
+
+    #[test]
+    fn axes_are_told_by_names() {
+        for (name, role, score) in [
+            ("XForce", Role::ForceX, 2),
+            ("XForce", Role::Force, 0),
+            ("YForce", Role::Force, 2),
+            ("YForce", Role::ForceX, 0),
+            ("Force", Role::Force, 1),
+            ("Fx", Role::ForceX, 3),
+            ("Fy", Role::Force, 3),
+            ("displacement_x", Role::DisplacementX, 2),
+            ("Displacement Y", Role::Displacement, 2),
+            ("Time", Role::ForceX, 0),
+        ] {
+            assert_eq!(fits_on_axis(name, role), score, "{name}");
+        }
     }
 
     #[test]

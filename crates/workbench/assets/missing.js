@@ -102,7 +102,7 @@ function card(name) {
   if (row) row.append(place);
   if (!c) return;
   const rows = [["law", c.law], ["shows in", c.shows_in.join(", ")], ["looks like", c.look_alikes.join(", ")],
-    ["told apart by", c.separated_by], ["needs", c.needs.join(", ")], ["reference", c.reference]];
+    ["told apart by", c.separated_by], ["ordinary size", c.ordinary], ["needs", c.needs.join(", ")], ["reference", c.reference]];
   const pictures = curves.tests().filter(t => curves.added(t.test, c.name)).map(t => [t, el("canvas", { role: "img", class: "misfit",
     "aria-label": `what ${c.name} would add to ${t.test}, on its misfit` })]);
   fill(place, el("h3", {}, c.name), el("p", {}, c.summary),

@@ -2,7 +2,7 @@
 import { byId, el, fill, percent, show, svg } from "./dom.js";
 import { upload } from "./server.js";
 
-let ask = () => {}, tell = () => {}, request = empty(), shownFor = "";
+let ask = () => {}, tell = () => {}, request = empty(), shownFor = "", experiments = ["uniaxial", "tearing"];
 
 // Corrections that a switch asks for, whatever the file looks like.
 const switches = [["zero", "displacement begins at 0 (preload left out)"], ["tare", "force begins at 0"], ["flip", "pulling is negative in the file: turn the sign"],
@@ -12,7 +12,9 @@ function empty() {
   return { files: [], kinds: [], flags: {}, geometry: {}, name: "" };
 }
 
-const guess = file => /tear|riss|tore|dechir/i.test(file) ? "tearing" : "uniaxial";
+// As `fct import` takes a file without --kind.
+const guess = file => experiments.filter(kind => file.split("/").at(-1).toLowerCase().includes(kind)).sort((a, b) => b.length - a.length)[0]
+  ?? (/tear|riss|tore|dechir/i.test(file.split("/").at(-1)) ? "tearing" : experiments[0]);
 const send = () => ask({ do: "import", ...request });
 
 async function dropped(files) {
@@ -43,6 +45,7 @@ export function begin(sender, teller) {
 
 export function set(state) {
   doctor(state);
+  experiments = state.experiments ?? experiments;
   const stamp = JSON.stringify([state.import, state.specimen?.geometry, state.specimen?.name]);
   if (stamp === shownFor) return;
   shownFor = stamp;
@@ -56,7 +59,7 @@ function files(said) {
   const rows = request.files.map((file, k) => el("li", {},
     el("b", {}, file.split("/").at(-1)), " ",
     el("label", {}, "is ", el("select", { id: `kind${k}`, "aria-label": `what ${file} is`, onchange: e => { request.kinds[k] = e.target.value; send(); } },
-      ["uniaxial", "tearing"].map(kind => el("option", { value: kind, selected: request.kinds[k] === kind }, kind)))), " ",
+      experiments.map(kind => el("option", { value: kind, selected: request.kinds[k] === kind }, kind)))), " ",
     el("button", { type: "button", "aria-label": `leave ${file} out`, onclick: () => {
       request.files.splice(k, 1); request.kinds.splice(k, 1); request.flags = {};
       if (request.files.length) send(); else fill(byId("import"));

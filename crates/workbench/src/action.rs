@@ -77,10 +77,12 @@ pub struct ImportRequest {
 }
 
 /// Flags that a page may set. Those with a value, those without.
-const VALUED: [&str; 18] = [
+const VALUED: [&str; 20] = [
     "time",
     "displacement",
     "force",
+    "displacement-x",
+    "force-x",
     "grip-displacement",
     "tear-front",
     "width-change",

@@ -4,7 +4,7 @@ use crate::BenchError;
 use crate::bench::Bench;
 use crate::numbers::{adds, jacobian, list, short};
 use crate::steps::Steps;
-use input::Case;
+use input::{Case, ExperimentRegistry};
 use model::{Discretisation, Model};
 use report::answer::IdentifyAnswer;
 use report::{Curve, StoredRun};
@@ -55,6 +55,7 @@ pub fn state(bench: &Bench) -> Value {
         "jacobian": run.as_ref().map_or(Value::Null, jacobian), "adds": run.as_ref().map_or(Value::Null, adds),
         "fields": run.as_ref().map_or(Vec::new(), fields),
         "effects": catalogue(bench),
+        "experiments": bench.catalogue.kinds().iter().map(|k| k.word()).collect::<Vec<_>>(),
         "diagnosis": run.as_ref().and_then(diagnosis),
         "config": present.config, "run": present.run,
     })
@@ -77,7 +78,7 @@ fn catalogue(bench: &Bench) -> Vec<Value> {
         .map(|e| e.card())
         .map(|c| {
             json!({ "name": c.name, "summary": c.summary, "site": c.site.word(), "law": c.law,
-                "shows_in": c.shows_in, "look_alikes": c.look_alikes, "separated_by": c.separated_by,
+                "shows_in": c.shows_in, "look_alikes": c.look_alikes, "separated_by": c.separated_by, "ordinary": c.ordinary,
                 "needs": c.needs, "reference": c.reference })
         })
         .collect()

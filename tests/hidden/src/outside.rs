@@ -221,6 +221,7 @@ static SUTURE: Card = Card {
     shows_in: &[],
     look_alikes: &[],
     separated_by: "looking at it",
+    ordinary: "as the record was made",
     excludes: &[],
     needs: &["tearing"],
     screening: Screening::Score(Sided::Positive),

@@ -1,22 +1,22 @@
 //! A paragraph for the methods section of a paper, with what it cites.
 
-use crate::summary::StudySummary;
+use crate::summary::{ModelSummary, SpecimenRow, StudySummary};
 
 /// The paragraph, as text.
 pub fn methods(study: &StudySummary) -> String {
     let first = study.models.first();
-    let specimens = first.map_or(0, |m| m.specimens.len());
-    let excluded = first.map_or(0, |m| m.specimens.iter().filter(|r| r.excluded.is_some()).count());
+    let rows = first.map_or(&[][..], |m| m.specimens.as_slice());
+    let answered = rows.iter().filter(|r| r.answered).count();
+    let specimens =
+        if answered == rows.len() { answered.to_string() } else { format!("{answered} of {}", rows.len()) };
+    let excluded = rows.iter().filter(|r| r.excluded.is_some()).count();
     let models: Vec<String> = study.models.iter().map(|m| format!("{} ({})", m.model, m.task)).collect();
-    let counts: Vec<String> = study
-        .models
-        .iter()
-        .map(|m| {
-            let out = m.specimens.iter().filter(|r| r.unexplained_alone()).count();
-            let counted = m.specimens.iter().filter(|r| r.counted()).count();
-            format!("{}: {counted} counted, {out} not explained by their model", m.model)
-        })
-        .collect();
+    let counts: Vec<String> = study.models.iter().map(counts).collect();
+    let unread = match study.status.wrong_rows.len() {
+        0 => "",
+        1 => " One row of the study's table could not be read.",
+        _ => " Several rows of the study's table could not be read.",
+    };
     let excluded = match excluded {
         0 => "None was".to_owned(),
         1 => "One specimen was".to_owned(),
@@ -34,7 +34,7 @@ pub fn methods(study: &StudySummary) -> String {
     format!(
         "Bulk and cohesive parameters of {specimens} specimens were identified from uniaxial and tearing records by the \
          inverse finite-element analysis of Leng et al. [1] as implemented in fct {} (models: {}). {excluded} excluded \
-         beforehand. A specimen entered the means if the model explained its records within noise and numerical \
+         beforehand.{unread} A specimen entered the means if the model explained its records within noise and numerical \
          error ({}). Its Gc and σc are means over the areas of the tear path that its records fix, with standard errors \
          from the fit's covariance.{bootstrap} Means over specimens and the scatter between them are those of a \
          random-effects model fitted by restricted maximum likelihood [2], with Hartung–Knapp–Sidik–Jonkman intervals [3] \
@@ -52,4 +52,22 @@ pub fn methods(study: &StudySummary) -> String {
         models.join(", "),
         counts.join("; "),
     )
+}
+
+/// How many specimens of a model are in its means, and why the others are not. Those excluded beforehand are told before.
+fn counts(m: &ModelSummary) -> String {
+    let count = |is: &dyn Fn(&SpecimenRow) -> bool| m.specimens.iter().filter(|r| is(r)).count();
+    let told = [
+        (count(&|r| r.unexplained_alone()), "not explained by their model"),
+        (
+            count(&|r| r.excluded.is_none() && r.explained && !r.counted()),
+            "without a value that their records fix",
+        ),
+        (count(&|r| r.excluded.is_none() && !r.answered), "without an answer"),
+    ];
+    let mut out = format!("{}: {} counted", m.model, count(&|r| r.counted()));
+    for (n, why) in told.into_iter().filter(|(n, _)| *n > 0) {
+        out.push_str(&format!(", {n} {why}"));
+    }
+    out
 }

@@ -214,7 +214,9 @@ fn specimens(m: &ModelSummary) -> StudyTable {
         found.map_or("–".into(), |s| {
             let bootstrap =
                 s.bootstrap_sd.map_or(String::new(), |b| format!(", {} by repeats", significant(b, 2)));
-            format!("{} ± {}{bootstrap}", significant(s.value, 3), significant(s.std_error, 2))
+            let [known, all] = s.areas;
+            let of = if known < all { format!(", {known} of {all} areas") } else { String::new() };
+            format!("{} ± {}{of}{bootstrap}", significant(s.value, 3), significant(s.std_error, 2))
         })
     };
     let row = |r: &SpecimenRow| {

@@ -25,6 +25,7 @@ static CARD: Card = Card {
     shows_in: &["load", "peak", "unload", "reload"],
     look_alikes: &[],
     separated_by: "cycles of growing amplitude in the intact strip: damage bends the envelope itself, Mullins leaves it",
+    ordinary: "a = 0.2: a fifth of the fibres' stress lost",
     excludes: &[],
     needs: &[],
     screening: Screening::Score(Sided::Positive),

@@ -21,6 +21,7 @@ static CARD: Card = Card {
     look_alikes: &["compliance"],
     separated_by: "a camera on the clamped edges (grip_displacement_mm), or two tests of different force level: \
                    compliance scales with force, recruitment with strain",
+    ordinary: "E_r of a tenth of the record's largest fibre strain: fibres that are still wavy at the start",
     excludes: &[],
     needs: &[],
     screening: Screening::Score(Sided::Positive),

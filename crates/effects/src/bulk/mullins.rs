@@ -26,6 +26,7 @@ static CARD: Card = Card {
     shows_in: &["unload", "reload", "cycle k"],
     look_alikes: &[],
     separated_by: "an unloading with reloading beyond the old maximum: the reloading curve rejoins the first one there",
+    ordinary: "a = 0.2: reloading carries a fifth less",
     excludes: &[],
     // A second test of the same piece shows it without unloading segments, and so does the tissue
     // behind a tear.

@@ -19,6 +19,7 @@ static CARD: Card = Card {
     look_alikes: &["grip_slip", "slack"],
     separated_by: "a camera on the clamped edges (grip_displacement_mm): slip and slack are outside them, set is inside; \
                    or a remount between two tests: slip starts anew, set stays",
+    ordinary: "a = 5 % of the largest stretch stays",
     excludes: &[],
     // A second test of the same piece shows it without unloading segments, and so does the tissue
     // behind a tear.

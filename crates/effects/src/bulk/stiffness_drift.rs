@@ -18,6 +18,7 @@ static CARD: Card = Card {
     shows_in: &["load", "hold", "cycle k"],
     look_alikes: &["drift"],
     separated_by: "a return to small force late in the session: sensor drift shifts the zero, stiffness drift leaves it",
+    ordinary: "c of 5 % over the longest test: tissue that dries or swells in its bath",
     excludes: &[],
     needs: &[],
     screening: Screening::Score(Sided::Both),

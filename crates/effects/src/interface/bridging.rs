@@ -27,6 +27,7 @@ static CARD: Card = Card {
     shows_in: &["plateau", "tail"],
     look_alikes: &["thickness_taper", "rate_dependent_strength", "heterogeneity"],
     separated_by: "a camera on the tear (tear_front_mm), or unloadings along the tear: bridging keeps the unloading stiffness high",
+    ordinary: "σb of a tenth of the strength: fibres that span the tear behind its front",
     excludes: &[],
     needs: &["tearing"],
     screening: Screening::Score(Sided::Positive),

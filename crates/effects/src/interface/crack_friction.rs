@@ -20,6 +20,7 @@ static CARD: Card = Card {
     shows_in: &["unload"],
     look_alikes: &[],
     separated_by: "not on records of this kind: a mode II test would be needed",
+    ordinary: "μ = 0.1: wet tissue on wet tissue",
     excludes: &[],
     needs: &["tearing", "unloading"],
     screening: Screening::Score(Sided::Positive),

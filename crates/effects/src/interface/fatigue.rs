@@ -19,6 +19,8 @@ static CARD: Card = Card {
     shows_in: &["reload", "cycle k"],
     look_alikes: &[],
     separated_by: "several cycles of equal amplitude in the tearing test",
+    ordinary: "a = 0.2: a fifth of the strength lost in each full reloading; from the first cycles on visible, \
+               not yet a break",
     excludes: &[],
     needs: &["tearing", "unloading"],
     screening: Screening::Score(Sided::Positive),

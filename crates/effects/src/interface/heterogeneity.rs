@@ -25,6 +25,7 @@ static CARD: Card = Card {
     shows_in: &["onset", "peak", "plateau", "tail"],
     look_alikes: &["bridging", "thickness_taper", "rate_dependent_strength"],
     separated_by: "a camera on the tear (tear_front_mm), and more areas in the model",
+    ordinary: "a = 20 %: strength along the path varies by a fifth",
     excludes: &[],
     needs: &["tearing"],
     screening: Screening::Score(Sided::Both),

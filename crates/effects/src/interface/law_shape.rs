@@ -23,6 +23,7 @@ static CARD: Card = Card {
     shows_in: &["onset", "peak", "tail"],
     look_alikes: &["cut_length"],
     separated_by: "a camera on the tear (tear_front_mm), or a test with a longer cut",
+    ordinary: "n off by 0.2 from the exponential law's 1: the peak moves visibly, the law stays of its kind",
     excludes: &[],
     needs: &["tearing"],
     screening: Screening::Score(Sided::Both),

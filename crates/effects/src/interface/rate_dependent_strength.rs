@@ -26,6 +26,7 @@ static CARD: Card = Card {
     shows_in: &["rate change", "hold", "peak", "plateau", "unload"],
     look_alikes: &["bridging", "thickness_taper", "heterogeneity"],
     separated_by: "a change of rate (or a pause) in the middle of the tear",
+    ordinary: "c = 3 % per e-fold of rate: some 7 % a decade",
     excludes: &[],
     needs: &["tearing", "pause or two rates"],
     screening: Screening::Score(Sided::Positive),

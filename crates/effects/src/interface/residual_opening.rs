@@ -18,6 +18,7 @@ static CARD: Card = Card {
     shows_in: &["unload", "reload"],
     look_alikes: &[],
     separated_by: "an unloading in the middle of the tear: the force reaches zero at a larger displacement",
+    ordinary: "a = 0.2: torn fibres keep a fifth of the opening from closing",
     excludes: &[],
     needs: &["tearing", "unloading"],
     screening: Screening::Score(Sided::Positive),

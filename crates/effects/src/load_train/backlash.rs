@@ -18,6 +18,7 @@ static CARD: Card = Card {
     look_alikes: &["lag"],
     separated_by: "a hold or a second rate: a late sensor settles, and its loop widens with the rate, that of play does neither; a \
                    camera on the clamped edges (grip_displacement_mm) sees it directly",
+    ordinary: "b of 1 % of the travel: play of a worn spindle",
     excludes: &[],
     needs: &["unloading", "pause or two rates"],
     screening: Screening::Score(Sided::Positive),

@@ -16,6 +16,7 @@ static CARD: Card = Card {
     shows_in: &["load", "unload", "reload", "peak"],
     look_alikes: &["fiber_recruitment"],
     separated_by: "a camera on the clamped edges (grip_displacement_mm) sees it directly; or two tests of different force level",
+    ordinary: "C for which the load train takes 5 % of the travel at the peak force: a small load cell and its grips",
     excludes: &[],
     needs: &[],
     screening: Screening::Score(Sided::Positive),

@@ -21,6 +21,7 @@ static CARD: Card = Card {
     look_alikes: &["permanent_set", "slack"],
     separated_by: "a camera on the clamped edges (grip_displacement_mm) sees it directly; or a remount between two tests: \
                    slip starts anew, permanent set stays",
+    ordinary: "a for which a tenth of the travel is slip at the peak force: more is seen with the naked eye",
     excludes: &[],
     needs: &[],
     screening: Screening::Score(Sided::Positive),

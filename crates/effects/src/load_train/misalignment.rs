@@ -15,6 +15,7 @@ static CARD: Card = Card {
     shows_in: &["toe", "onset", "peak"],
     look_alikes: &[],
     separated_by: "the force at zero displacement (records are not tared), or the same strip mounted the other way round",
+    ordinary: "θ of 0.01 rad (0.6°): a clamp set by eye",
     excludes: &[],
     // In the intact strip ±θ do the same and the first derivative vanishes; the tear tells the signs apart.
     needs: &["tearing", "clamped ends"],

@@ -21,6 +21,8 @@ static CARD: Card = Card {
     look_alikes: &["permanent_set", "grip_slip"],
     separated_by: "a camera on the clamped edges (grip_displacement_mm) sees it directly; or the first record of the \
                    untouched piece: set and slip need a load first",
+    ordinary: "u0 of 5 % of the travel (the shorter one where tests differ): a strip that hung slightly loose \
+               when the grips closed",
     excludes: &["prestretch"],
     needs: &[],
     // The response at u0 = 0 is differentiable from one side only and changes its kind there.

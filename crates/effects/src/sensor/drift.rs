@@ -15,6 +15,7 @@ static CARD: Card = Card {
     shows_in: &["hold", "tail", "unload"],
     look_alikes: &["stiffness_drift", "self_weight"],
     separated_by: "a pause at zero displacement at the end of the record",
+    ordinary: "c of 3 % of the peak force over the longest test: a load cell that is still warming up",
     excludes: &[],
     needs: &[],
     screening: Screening::Score(Sided::Both),

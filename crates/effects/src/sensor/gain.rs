@@ -17,6 +17,7 @@ static CARD: Card = Card {
     shows_in: &["load", "peak", "plateau"],
     look_alikes: &[],
     separated_by: "a dead weight hung on the cell in both set-ups; width_change_mm tells gain from bulk anisotropy",
+    ordinary: "g = 3 %: a load cell whose calibration is overdue",
     excludes: &[],
     needs: &["two tests"],
     screening: Screening::Score(Sided::Both),

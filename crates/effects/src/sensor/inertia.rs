@@ -19,6 +19,7 @@ static CARD: Card = Card {
     shows_in: &["rate change"],
     look_alikes: &[],
     separated_by: "not on quasi-static records: tests at 100 mm/s and more would be needed",
+    ordinary: "m = 10 g: a light grip and its screws",
     excludes: &[],
     needs: &[],
     screening: Screening::Score(Sided::Positive),

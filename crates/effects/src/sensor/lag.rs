@@ -14,6 +14,7 @@ static CARD: Card = Card {
     shows_in: &["unload", "reload", "rate change", "hold"],
     look_alikes: &["viscoelastic", "backlash"],
     separated_by: "a hold: a late force settles within τ, a viscous one relaxes on; or two rates: the loop of a lag widens with the rate",
+    ordinary: "τ of one interval between the record's points: amplifiers are set to filter what is sampled",
     excludes: &[],
     needs: &["pause or two rates"],
     screening: Screening::Score(Sided::Positive),

@@ -19,6 +19,7 @@ static CARD: Card = Card {
     shows_in: &["toe", "tail"],
     look_alikes: &["drift", "prestretch"],
     separated_by: "the force at zero displacement before mounting",
+    ordinary: "ρ = 1.05 g/cm³: the density of arterial wall",
     excludes: &[],
     needs: &[],
     screening: Screening::Score(Sided::Positive),

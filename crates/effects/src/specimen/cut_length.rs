@@ -15,6 +15,7 @@ static CARD: Card = Card {
     shows_in: &["load", "onset", "peak"],
     look_alikes: &["law_shape"],
     separated_by: "a camera on the tear (tear_front_mm), or a photograph of the cut",
+    ordinary: "Δa of 3 % of the travel, 0.2 mm at most: a cut measured under a lens",
     excludes: &[],
     needs: &["tearing"],
     screening: Screening::Score(Sided::Both),

@@ -17,6 +17,7 @@ static CARD: Card = Card {
     shows_in: &["toe", "load"],
     look_alikes: &["self_weight"],
     separated_by: "the force at zero displacement (records are not tared) and the steepness of the toe",
+    ordinary: "λ0 = 1.01: the preload that straightens the strip",
     excludes: &["slack"],
     needs: &[],
     screening: Screening::Score(Sided::Positive),

@@ -15,6 +15,7 @@ static CARD: Card = Card {
     shows_in: &["plateau", "tail", "peak"],
     look_alikes: &["bridging", "rate_dependent_strength", "heterogeneity"],
     separated_by: "a thickness profile (calliper, microscope), or a camera on the tear (tear_front_mm)",
+    ordinary: "a = 10 %: thickness measured in the middle alone",
     excludes: &[],
     // In the intact strip ±a do the same and the first derivative vanishes; the tear tells the signs apart.
     needs: &["tearing", "a flat sheet"],

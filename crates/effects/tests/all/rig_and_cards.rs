@@ -220,7 +220,7 @@ fn cards_are_complete_and_agree_with_each_other() {
         ["pause or two rates", "unloading", "tearing", "two tests", "clamped ends", "a flat sheet"];
     for e in &all {
         let c = e.card();
-        for text in [c.name, c.summary, c.law, c.reference, c.separated_by] {
+        for text in [c.name, c.summary, c.law, c.reference, c.separated_by, c.ordinary] {
             assert!(text.len() > 2 && !text.contains("  \n"), "{}: empty field", c.name);
         }
         assert!(!c.shows_in.is_empty(), "{}", c.name);

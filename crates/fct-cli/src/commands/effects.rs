@@ -75,8 +75,8 @@ fn card_json(session: &Session, e: &dyn Effect) -> Value {
     let c = e.card();
     json!({
         "name": c.name, "site": c.site.word(), "summary": c.summary, "law": c.law, "reference": c.reference,
-        "shows_in": c.shows_in, "look_alikes": c.look_alikes, "separated_by": c.separated_by, "excludes": c.excludes,
-        "needs": c.needs, "experiments": session.catalogue.shown_in(e), "negative_control": c.negative_control,
+        "shows_in": c.shows_in, "look_alikes": c.look_alikes, "separated_by": c.separated_by, "ordinary": c.ordinary,
+        "excludes": c.excludes, "needs": c.needs, "experiments": session.catalogue.shown_in(e), "negative_control": c.negative_control,
         "parameters": e.parameters(&Options::new()), "options": e.options(),
     })
 }
@@ -95,6 +95,7 @@ fn card_text(session: &Session, e: &dyn Effect, style: Style) -> String {
     line("experiments", &session.catalogue.shown_in(e).join(", "));
     line("looks like", &c.look_alikes.join(", "));
     line("separated by", c.separated_by);
+    line("ordinary size", c.ordinary);
     line("excludes", &c.excludes.join(", "));
     line("needs", &c.needs.join(", "));
     line("reference", c.reference);

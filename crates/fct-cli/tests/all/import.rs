@@ -13,6 +13,43 @@ fn message(folder: &Path, arguments: &[&str]) -> Result<(Option<i32>, String), B
     Ok((out.status.code(), String::from_utf8_lossy(&out.stderr).into_owned()))
 }
 
+/// A biaxial test from a machine's file to a specimen that `check` takes; a test of two forces is not thinned out.
+#[test]
+fn a_biaxial_file_becomes_a_biaxial_record() -> Tested {
+    let there = tempfile::tempdir()?;
+    let here = there.path();
+    let row = |k: u32| {
+        let (t, u) = (f64::from(k), 0.02 * f64::from(k));
+        format!("{t},{},{},{u},{u}\n", 40.0 * u * u, 30.0 * u * u)
+    };
+    let rows: String = (0..60).map(row).collect();
+    fs::write(
+        here.join("biaxial-1.csv"),
+        format!("Time (s),X Force (N),Y Force (N),X Position (mm),Y Position (mm)\n{rows}"),
+    )?;
+    fs::write(here.join("sheet.toml"), "[geometry]\nlength_mm = 10\nwidth_mm = 10\nthickness_mm = 1\n")?;
+    let (code, answer, stderr) =
+        json(here, &["import", "biaxial-1.csv", "--geometry", "sheet.toml", "--out", "sheet"])?;
+    assert_eq!(code, 0, "{stderr}");
+    assert_eq!(answer["tests"][0]["kind"], "biaxial", "{answer}");
+    let text = fs::read_to_string(here.join("sheet/biaxial.csv"))?;
+    assert!(text.contains("time_s,displacement_mm,force_N,displacement_x_mm,force_x_N\n"), "{text}");
+    let (code, _, stderr) = json(here, &["check", "sheet/specimen.toml"])?;
+    assert_eq!(code, 0, "{stderr}");
+    let (code, answer, _) =
+        json(here, &["import", "biaxial-1.csv", "--kind", "biaxial", "--points", "30", "--out", "b"])?;
+    assert!(
+        code == 2 && answer["error"]["reason"].as_str().is_some_and(|r| r.contains("--points")),
+        "{answer}"
+    );
+    let (code, answer, _) = json(here, &["import", "biaxial-1.csv", "--kind", "biaxail", "--out", "b"])?;
+    assert!(
+        code == 2 && answer["error"]["reason"].as_str().is_some_and(|r| r.contains("t_peel")),
+        "{answer}"
+    );
+    Ok(())
+}
+
 #[test]
 fn the_scaffolds_raw_files_become_a_specimen_that_checks() -> Tested {
     let folder = tempfile::tempdir()?;

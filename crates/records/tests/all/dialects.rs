@@ -108,3 +108,65 @@ fn headers_fill_the_geometry() {
         assert_eq!(geometry.name.as_deref(), Some("A 7"), "{file}");
     }
 }
+
+/// Two actuators and two load cells: what is along y is the displacement and the force, what is along x stands beside them.
+#[test]
+fn both_axes_of_a_biaxial_test_are_read() {
+    let read = |name: &str, text: &[u8], flags: &[(&str, &str)]| {
+        let mut choices = records::Choices { two_axes: true, ..records::Choices::new() };
+        for (flag, value) in flags {
+            choices.answer(flag, value).expect("a flag");
+        }
+        records::import_bytes(Path::new(name), text.to_vec(), &choices, &mut records::Geometry::default())
+    };
+    let [time, displacement, force] = twin();
+    let rows = |cells: &dyn Fn(usize) -> String| -> String {
+        (0..time.len()).map(|i| format!("{},{}\n", time[i], cells(i))).collect()
+    };
+    let (u, f) = (&displacement, &force);
+    let named = [
+        (
+            "Time (s),Fx (N),Fy (N),Ux (mm),Uy (mm)\n",
+            rows(&|i| format!("{},{},{},{}", 2.0 * f[i], f[i], 0.5 * u[i], u[i])),
+        ),
+        (
+            "time_s,displacement_mm,force_N,displacement_x_mm,force_x_N\n",
+            rows(&|i| format!("{},{},{},{}", u[i], f[i], 0.5 * u[i], 2.0 * f[i])),
+        ),
+        (
+            "Time [s],X Displacement [mm],Y Displacement [mm],X Force [N],Y Force [N]\n",
+            rows(&|i| format!("{},{},{},{}", 0.5 * u[i], u[i], 2.0 * f[i], f[i])),
+        ),
+    ];
+    for (head, body) in &named {
+        let test = read("both.csv", format!("{head}{body}").as_bytes(), &[]).expect(head).tests.remove(0);
+        assert_eq!((&test.full.displacement, &test.full.force), (u, f), "{head}");
+        let [Some(across), Some(force_x)] = &test.full.across else { panic!("{head}") };
+        assert!(across.iter().zip(u).all(|(x, u)| *x == 0.5 * u), "{head}");
+        assert!(force_x.iter().zip(f).all(|(x, f)| *x == 2.0 * f), "{head}");
+        let csv = test.csv(&[]);
+        assert!(csv.starts_with("time_s,displacement_mm,force_N,displacement_x_mm,force_x_N\n"), "{head}");
+    }
+    // A testing machine's own file; its sizes are no displacements.
+    let cellscale = fs::read(Path::new(DATA).join("cellscale-biaxial.csv")).expect("a file");
+    let columns = read("cellscale-biaxial.csv", &cellscale, &[]).expect("read").reading.columns;
+    let names: Vec<&str> = columns.iter().map(|c| c.name.as_str()).collect();
+    for (role, name) in [
+        (records::words::Role::Displacement, "YDisplacement_um"),
+        (records::words::Role::Force, "YForce_mN"),
+        (records::words::Role::DisplacementX, "XDisplacement_um"),
+        (records::words::Role::ForceX, "XForce_mN"),
+    ] {
+        assert!(columns.iter().any(|c| c.role == role && c.name == name), "{role:?} of {names:?}");
+    }
+    // What is missing is asked for by its flag, and can be named.
+    let one = format!(
+        "Time (s),F1 (N),Fy (N),Ux (mm),Uy (mm)\n{}",
+        rows(&|i| format!("{},{},{},{}", 2.0 * f[i], f[i], u[i], u[i]))
+    );
+    let Err(records::ImportError::Undecided { questions, .. }) = read("f1.csv", one.as_bytes(), &[]) else {
+        panic!("a force along x was guessed")
+    };
+    assert_eq!(questions.iter().map(|q| q.flag.as_str()).collect::<Vec<_>>(), ["force-x"]);
+    assert!(read("f1.csv", one.as_bytes(), &[("force-x", "F1 (N)")]).is_ok());
+}

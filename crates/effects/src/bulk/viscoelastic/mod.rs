@@ -33,6 +33,7 @@ static CARD: Card = Card {
     shows_in: &["hold", "rate change", "unload", "reload"],
     look_alikes: &["lag"],
     separated_by: "a hold of several τ at constant displacement: a late sensor settles within its delay, tissue relaxes on",
+    ordinary: "g = 0.2: a fifth of the long-term stress relaxes",
     excludes: &[],
     // Loops of unloading show it without a pause, but not well.
     needs: &["pause or two rates"],

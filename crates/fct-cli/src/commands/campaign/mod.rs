@@ -128,7 +128,8 @@ fn work(arguments: &arguments::Run, session: &Session) -> Result<Outcome, Failur
             Some("files have changed since the study was planned".into())
         }
         Ran { failed, set_aside, .. } if failed + set_aside > 0 => {
-            Some(format!("{failed} tasks failed, {set_aside} are set aside; `fct campaign status` says why"))
+            let tasks = if *failed == 1 { "task" } else { "tasks" };
+            Some(format!("{failed} {tasks} failed, {set_aside} set aside; `fct campaign status` says why"))
         }
         _ => some_wrong(&plan),
     };

@@ -1,5 +1,6 @@
 //! Flags of `fct import`.
 
+use input::{ExperimentRegistry, TestKind};
 use records::choices::{decimal, delimiter, rate, units};
 use records::{Choices, FaultKind, Flip, Restart};
 use std::collections::BTreeMap;
@@ -14,7 +15,7 @@ pub struct Arguments {
     /// A specimen or config whose `[geometry]` is taken; default: what the header of a file says
     #[arg(long, value_name = "FILE")]
     pub geometry: Option<PathBuf>,
-    /// What was tested: one for all files, or one per file (uniaxial, tearing)
+    /// What was tested: one for all files, or one per file (uniaxial, tearing, t_peel, peel_180, biaxial, pure_shear)
     #[arg(long, value_name = "KIND", value_delimiter = ',')]
     pub kind: Vec<String>,
     /// Column of the time: number from 1, or name
@@ -26,6 +27,12 @@ pub struct Arguments {
     /// Column of the force or stress
     #[arg(long, value_name = "COLUMN")]
     pub force: Option<String>,
+    /// Column of the displacement along x, of a biaxial test
+    #[arg(long, value_name = "COLUMN")]
+    pub displacement_x: Option<String>,
+    /// Column of the force along x, of a biaxial test
+    #[arg(long, value_name = "COLUMN")]
+    pub force_x: Option<String>,
     /// Column of the camera's change of the distance between the clamped edges
     #[arg(long, value_name = "COLUMN")]
     pub grip_displacement: Option<String>,
@@ -125,39 +132,55 @@ fn positive(text: &str) -> Result<f64, String> {
     if x.is_finite() && x > 0.0 { Ok(x) } else { Err(format!("`{text}`; expected more than 0")) }
 }
 
-/// Kinds of tests that files may hold.
-const KINDS: [&str; 2] = ["uniaxial", "tearing"];
-
 /// What was tested, per file.
-pub struct Kinds(Vec<String>);
+pub struct Kinds {
+    said: Vec<TestKind>,
+    known: Vec<TestKind>,
+}
 
 impl Kinds {
     /// The kind of a file, and what to say if nobody said it.
-    pub fn of(&self, k: usize, file: &Path) -> (String, Option<String>) {
-        if let Some(kind) = self.0.get(k).or(self.0.first().filter(|_| self.0.len() == 1)) {
-            return (kind.clone(), None);
+    pub fn of(&self, k: usize, file: &Path) -> (TestKind, Option<String>) {
+        if let Some(kind) = self.said.get(k).or(self.said.first().filter(|_| self.said.len() == 1)) {
+            return (*kind, None);
         }
         let name = file.file_stem().map(|s| s.to_string_lossy().to_lowercase()).unwrap_or_default();
-        let tears = ["tear", "riss", "tore", "dechir"].iter().any(|w| name.contains(w));
-        let kind = if tears { "tearing" } else { "uniaxial" };
-        let why = if tears { "by its name" } else { "nothing says otherwise" };
-        (kind.into(), Some(format!("{}: taken for a {kind} test ({why}); --kind decides", file.display())))
+        let named = self.known.iter().filter(|k| name.contains(k.word())).max_by_key(|k| k.word().len());
+        let torn = || {
+            TEARS.iter().any(|w| name.contains(w)).then(|| self.known.iter().find(|k| k.word() == "tearing"))
+        };
+        let (kind, why) = match named.or_else(|| torn().flatten()) {
+            Some(kind) => (*kind, "by its name"),
+            None => (self.known[0], "nothing says otherwise"),
+        };
+        (kind, Some(format!("{}: taken for a {} test ({why}); --kind decides", file.display(), kind.word())))
     }
 }
+
+/// Parts of words for a tear, in the languages of the labs.
+const TEARS: [&str; 4] = ["tear", "riss", "tore", "dechir"];
 
 impl Arguments {
     /// Kinds of the files.
     ///
     /// # Errors
-    /// If one is unknown, or their number is not that of the files.
-    pub fn kinds(&self) -> Result<Kinds, String> {
-        if let Some(bad) = self.kind.iter().find(|k| !KINDS.contains(&k.as_str())) {
-            return Err(format!("--kind `{bad}`; expected one of {}", KINDS.join(", ")));
-        }
+    /// If one is unknown, their number is not that of the files, or records of two axes are to be thinned out.
+    pub fn kinds(&self, known: &dyn ExperimentRegistry) -> Result<Kinds, String> {
+        let of = |word: &String| {
+            let names = || known.kinds().iter().map(|k| k.word()).collect::<Vec<_>>().join(", ");
+            known.kind(word).ok_or_else(|| format!("--kind `{word}`; expected one of {}", names()))
+        };
+        let said = self.kind.iter().map(of).collect::<Result<Vec<_>, _>>()?;
         if self.kind.len() > 1 && self.kind.len() != self.files.len() {
             return Err(format!("--kind names {} kinds for {} files", self.kind.len(), self.files.len()));
         }
-        Ok(Kinds(self.kind.clone()))
+        if let Some(kind) = said.iter().find(|k| k.two_axes && self.points.is_some()) {
+            return Err(format!(
+                "--points thins out records of one force; a {} test has two, and a fit averages its rows itself",
+                kind.word()
+            ));
+        }
+        Ok(Kinds { said, known: known.kinds() })
     }
 
     /// The decisions that the flags make.
@@ -172,6 +195,8 @@ impl Arguments {
             ("time", &self.time),
             ("displacement", &self.displacement),
             ("force", &self.force),
+            ("displacement-x", &self.displacement_x),
+            ("force-x", &self.force_x),
             ("grip-displacement", &self.grip_displacement),
             ("tear-front", &self.tear_front),
             ("width-change", &self.width_change),
@@ -210,6 +235,7 @@ impl Arguments {
                 RestartWord::Append => Restart::Append,
             }),
             points: self.points,
+            two_axes: false,
             true_measures: self.true_measures,
         })
     }

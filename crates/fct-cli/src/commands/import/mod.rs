@@ -10,6 +10,7 @@ pub use arguments::Arguments;
 use crate::outcome::{Failure, Outcome};
 use crate::session::{Session, file_name};
 use ::report::answer::SCHEMA;
+use input::TestKind;
 use records::{Choices, Fault, Geometry, Import, ImportError, Question, quoted};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -19,7 +20,7 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// What is no record, what must be decided (not on a terminal) or mended; a file that would be overwritten.
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
-    let choices = arguments.choices().map_err(|e| Failure::usage(format!("fct import: {e}")))?;
+    let mut choices = arguments.choices().map_err(|e| Failure::usage(format!("fct import: {e}")))?;
     let mut geometry = match &arguments.geometry {
         Some(file) => Geometry::read(file).map_err(failed)?,
         None => Geometry::default(),
@@ -33,13 +34,16 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
             file.display()
         )));
     }
-    let kinds = arguments.kinds().map_err(|e| Failure::usage(format!("fct import: {e}")))?;
+    let kinds =
+        arguments.kinds(&session.catalogue).map_err(|e| Failure::usage(format!("fct import: {e}")))?;
     let (mut read, mut errors, mut answered) = (Vec::new(), Vec::new(), Vec::new());
-    for file in &arguments.files {
-        match one(file, &choices, &mut geometry, session, &mut answered) {
+    for (k, file) in arguments.files.iter().enumerate() {
+        let two_axes = kinds.of(k, file).0.two_axes;
+        match one(file, &Choices { two_axes, ..choices.clone() }, &mut geometry, session, &mut answered) {
             Ok(import) => read.push(import),
             Err(error) => errors.push(error),
         }
+        choices.two_axes |= two_axes;
     }
     if !errors.is_empty() {
         return Err(all_failed(errors));
@@ -138,16 +142,16 @@ fn default_folder(files: &[PathBuf]) -> PathBuf {
 
 /// Names tests by their kind, repeats with a number; says where the kind was taken for granted.
 fn named(read: &mut [Import], kinds: &arguments::Kinds) -> Vec<String> {
-    let mut used: Vec<String> = Vec::new();
+    let mut used: Vec<TestKind> = Vec::new();
     let mut said = Vec::new();
     for (k, import) in read.iter_mut().enumerate() {
         let (kind, why) = kinds.of(k, &import.file);
         said.extend(why);
         for test in &mut import.tests {
-            test.kind.clone_from(&kind);
+            test.kind = kind.word().to_owned();
             let count = used.iter().filter(|u| **u == kind).count();
-            used.push(kind.clone());
-            test.name = if count == 0 { kind.clone() } else { format!("{kind}-{}", count + 1) };
+            used.push(kind);
+            test.name = if count == 0 { test.kind.clone() } else { format!("{}-{}", kind.word(), count + 1) };
         }
     }
     said

@@ -72,7 +72,7 @@ fn file(out: &mut String, import: &Import) {
     );
     let _ = writeln!(out, "{}", wrap(&head, WIDE, 2));
     for c in &r.columns {
-        let role = format!("{:?}", c.role).to_lowercase();
+        let role = c.role.spoken();
         let unit = if c.unit.is_empty() { String::new() } else { format!(" in {}", c.unit) };
         let _ = writeln!(out, "  {role:<13} column {} `{}`{unit}", c.column, c.name);
     }
