@@ -54,11 +54,15 @@ function render() {
   working(now.busy);
 }
 
-// Gc and σc: a value with its interval, or the range over the areas.
+// Gc and σc: a value with its interval, the mean along the path with its, or the range over the areas.
 function strength(name, word) {
   const all = (now.answer?.parameters ?? []).filter(p => p.path.endsWith(`.${name}`) && p.path.startsWith("interface.area["));
   if (!all.length) return null;
-  const values = all.map(p => p.value), unit = all[0].unit;
+  const values = all.map(p => p.value), unit = all[0].unit, mean = now.answer.path_means?.[name];
+  if (all.length > 1 && mean) {
+    return el("div", {}, el("dt", {}, `${word}, mean`), el("dd", {}, `${show(mean.value)} ${unit}`,
+      el("small", {}, ` 95 %: ${show(mean.interval_95[0])} … ${show(mean.interval_95[1])}`)));
+  }
   const told = all.length > 1 ? `${show(Math.min(...values))} … ${show(Math.max(...values))} ${unit}` : `${show(values[0])} ${unit}`;
   const [low, high] = all.length > 1 ? [null, null] : all[0].interval_95;
   return el("div", {}, el("dt", {}, word), el("dd", {}, told, low !== null && high !== null ? el("small", {}, ` 95 %: ${show(low)} … ${show(high)}`) : null));

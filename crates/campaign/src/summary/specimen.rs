@@ -6,7 +6,7 @@ use crate::plan::{Plan, Task};
 use report::answer::{IdentifyAnswer, ParameterAnswer};
 use serde::Serialize;
 
-/// A specimen's value of one quantity: of a strength the mean over the areas that its records fix.
+/// A specimen's value of one quantity: of a strength the mean along the tear path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Strength {
     /// The value.
@@ -15,7 +15,7 @@ pub struct Strength {
     pub std_error: f64,
     /// 95 % interval.
     pub interval_95: [f64; 2],
-    /// Areas that count, and all areas.
+    /// Areas in the mean, and all areas.
     pub areas: [usize; 2],
     /// Standard deviation along the path, of two areas or more.
     pub along_sd: Option<f64>,
@@ -131,15 +131,12 @@ fn fill(out: &mut SpecimenRow, a: &IdentifyAnswer, repeats: &[IdentifyAnswer]) {
     out.provenance.clone_from(&a.provenance);
     out.reduced_chi2_total = Some(a.reduced_chi2_total);
     out.effects.clone_from(&a.effects);
-    for (path, end, unit) in [("gc", "].gc", "N/mm"), ("sigma_c", "].sigma_c", "MPa")] {
-        let is = |p: &ParameterAnswer| p.path.starts_with("interface.area[") && p.path.ends_with(end);
-        let quantity = Quantity { path: path.into(), unit: unit.into() };
-        out.strengths.extend(strength(a, &is, repeats).map(|s| (quantity, s)));
+    for path in ["gc", "sigma_c"] {
+        out.strengths.extend(along_path(a, path, repeats));
     }
     for p in a.parameters.iter().filter(|p| p.path.starts_with("effects.")) {
-        let is = |other: &ParameterAnswer| other.path == p.path;
         let quantity = Quantity { path: p.path.clone(), unit: p.unit.clone() };
-        out.strengths.extend(strength(a, &is, repeats).map(|s| (quantity, s)));
+        out.strengths.extend(of_effect(p, repeats).map(|s| (quantity, s)));
     }
     if !a.explained {
         let chi2 = report::terminal::significant(a.reduced_chi2_total, 3);
@@ -149,57 +146,48 @@ fn fill(out: &mut SpecimenRow, a: &IdentifyAnswer, repeats: &[IdentifyAnswer]) {
     }
 }
 
-/// Mean over the parameters that `is` takes and the records fix.
-fn strength(
-    a: &IdentifyAnswer,
-    is: &dyn Fn(&ParameterAnswer) -> bool,
-    repeats: &[IdentifyAnswer],
-) -> Option<Strength> {
-    let all = a.parameters.iter().filter(|p| is(p)).count();
-    let known: Vec<(usize, f64, f64)> = a
-        .parameters
-        .iter()
-        .enumerate()
-        .filter(|(_, p)| is(p) && p.identifiable && !p.at_bound)
-        .filter_map(|(i, p)| Some((i, p.value, p.std_error.filter(|s| *s > 0.0)?)))
-        .collect();
-    if known.is_empty() {
-        return None;
-    }
-    let n = known.len() as f64;
-    let value = known.iter().map(|k| k.1).sum::<f64>() / n;
-    let correlation = |i: usize, j: usize| {
-        let given = a.correlations.get(i).and_then(|row| row.get(j).copied().flatten());
-        if i == j { 1.0 } else { given.unwrap_or(0.0) }
+/// The mean of a strength along the tear path, if the records fix it.
+fn along_path(a: &IdentifyAnswer, name: &str, repeats: &[IdentifyAnswer]) -> Option<(Quantity, Strength)> {
+    let mean = a.mean_along_path(name)?;
+    let inside = a.in_path_mean(name);
+    // The scatter along the path is that of areas which are known one by one.
+    let known = inside.iter().map(|&i| &a.parameters[i]).filter(|p| p.identifiable);
+    let values: Vec<f64> = known.map(|p| p.value).collect();
+    let again: Vec<f64> = repeats.iter().filter_map(|r| mean_of(r, &inside)).collect();
+    let strength = Strength {
+        value: mean.value,
+        std_error: mean.std_error,
+        interval_95: mean.interval_95,
+        areas: [mean.counted, mean.areas],
+        along_sd: sd(&values),
+        bootstrap_sd: sd(&again),
     };
-    let pairs = known.iter().flat_map(|x| known.iter().map(move |y| (x, y)));
-    let variance: f64 = pairs.map(|(x, y)| correlation(x.0, y.0) * x.2 * y.2).sum::<f64>() / (n * n);
-    // Areas that hold each other in balance may be known much better together than apart, not perfectly.
-    let least = known.iter().map(|k| k.2 * k.2).fold(f64::MAX, f64::min) / (n * n * 100.0);
-    let std_error = variance.max(least).sqrt();
-    let interval_95 = match known.as_slice() {
-        [(i, ..)] => match a.parameters[*i].interval_95 {
-            [Some(low), Some(high)] => [low, high],
-            _ => [value - 1.96 * std_error, value + 1.96 * std_error],
-        },
-        _ => [value - 1.96 * std_error, value + 1.96 * std_error],
+    Some((Quantity { path: name.into(), unit: mean.unit.clone() }, strength))
+}
+
+/// A parameter of an effect, if the records fix it.
+fn of_effect(p: &ParameterAnswer, repeats: &[IdentifyAnswer]) -> Option<Strength> {
+    let std_error = p.std_error.filter(|s| *s > 0.0 && p.identifiable && !p.at_bound)?;
+    let interval_95 = match p.interval_95 {
+        [Some(low), Some(high)] => [low, high],
+        _ => [p.value - 1.96 * std_error, p.value + 1.96 * std_error],
     };
-    let values: Vec<f64> = known.iter().map(|k| k.1).collect();
-    let again: Vec<f64> = repeats.iter().filter_map(|r| mean_of(r, &known)).collect();
+    let again = repeats.iter().filter_map(|r| r.parameters.iter().find(|q| q.path == p.path));
+    let again: Vec<f64> = again.map(|q| q.value).collect();
     Some(Strength {
-        value,
+        value: p.value,
         std_error,
         interval_95,
-        areas: [known.len(), all],
-        along_sd: sd(&values),
+        areas: [1, 1],
+        along_sd: None,
         bootstrap_sd: sd(&again),
     })
 }
 
 /// The same mean in a repeat.
-fn mean_of(a: &IdentifyAnswer, known: &[(usize, f64, f64)]) -> Option<f64> {
-    let values: Option<Vec<f64>> = known.iter().map(|k| a.parameters.get(k.0).map(|p| p.value)).collect();
-    values.map(|v| v.iter().sum::<f64>() / v.len() as f64)
+fn mean_of(a: &IdentifyAnswer, inside: &[usize]) -> Option<f64> {
+    let values: Option<Vec<f64>> = inside.iter().map(|&i| a.parameters.get(i).map(|p| p.value)).collect();
+    values.filter(|v| !v.is_empty()).map(|v| v.iter().sum::<f64>() / v.len() as f64)
 }
 
 fn sd(x: &[f64]) -> Option<f64> {

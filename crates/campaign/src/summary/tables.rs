@@ -20,7 +20,7 @@ const SPECIMENS: [&str; 20] = [
     "std_error",
     "low_95",
     "high_95",
-    "areas_known",
+    "areas_counted",
     "areas",
     "along_path_sd",
     "bootstrap_sd",

@@ -35,8 +35,8 @@ pub fn methods(study: &StudySummary) -> String {
         "Bulk and cohesive parameters of {specimens} specimens were identified from uniaxial and tearing records by the \
          inverse finite-element analysis of Leng et al. [1] as implemented in fct {} (models: {}). {excluded} excluded \
          beforehand.{unread} A specimen entered the means if the model explained its records within noise and numerical \
-         error ({}). Its Gc and σc are means over the areas of the tear path that its records fix, with standard errors \
-         from the fit's covariance.{bootstrap} Means over specimens and the scatter between them are those of a \
+         error ({}). Its Gc and σc are means over the areas of the tear path, with standard errors from the covariance of \
+         the fit, which allows for areas that the records only fix together.{bootstrap} Means over specimens and the scatter between them are those of a \
          random-effects model fitted by restricted maximum likelihood [2], with Hartung–Knapp–Sidik–Jonkman intervals [3] \
          that are never narrower than the plain ones; prediction intervals follow [4].\n\n\
          [1] Leng X, Davis L, Deng X, Shazly T, Sutton MA, Lessner SM. An inverse analysis of cohesive zone model parameter \

@@ -1,7 +1,7 @@
 //! The answer of `fct identify`.
 
 use super::remarks::{by_energy, held_at_limits, mesh_dominated, remarks, weighed};
-use super::{EnergyAnswer, SCHEMA, finite};
+use super::{EnergyAnswer, PathMean, SCHEMA, finite};
 use crate::published::Published;
 use analysis::{HistoryEntry, Identified, Left, PhaseCost, SimulatedTest};
 use indexmap::IndexMap;
@@ -22,6 +22,9 @@ pub struct IdentifyAnswer {
     pub effects: Vec<String>,
     /// Every free parameter.
     pub parameters: Vec<ParameterAnswer>,
+    /// Means of what varies along the tear path, by name (`gc`, `sigma_c`), where the records fix them.
+    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
+    pub path_means: IndexMap<String, PathMean>,
     /// Fit of each test's force, by test.
     pub tests: IndexMap<String, TestFit>,
     /// Fit of the camera channels, by `test.channel`; misfits in mm.
@@ -241,19 +244,15 @@ impl IdentifyAnswer {
         let limits = held_at_limits(&done.model.parameters).into_iter();
         let dominated = mesh_dominated(&done.mesh_dominated, &tests);
         let weighed = weighed(case).into_iter();
-        let toughness: Vec<f64> =
-            parameters.iter().filter(|p| p.path.ends_with("].gc")).map(|p| p.value).collect();
-        let mean = toughness.iter().sum::<f64>() / toughness.len() as f64;
-        let balance = by_energy(&tests, finite(mean));
-        let remarks =
-            weighed.chain(limits).chain(dominated).chain(remarks(replayed)).chain(balance).collect();
-        Self {
+        let remarks = weighed.chain(limits).chain(dominated).chain(remarks(replayed)).collect();
+        let mut answer = Self {
             schema: SCHEMA,
             specimen: case.name.clone(),
             provenance: case.provenance.clone(),
             effects: done.model.effects(),
             published: published.map(|p| summary(p, &parameters)),
             parameters,
+            path_means: IndexMap::new(),
             tests,
             channels,
             left: done.left.clone(),
@@ -274,7 +273,10 @@ impl IdentifyAnswer {
             remarks,
             history: histories(&done.history),
             starts: done.starts.clone(),
-        }
+        };
+        answer.path_means = answer.means_along_path();
+        answer.remarks.extend(by_energy(&answer.tests, answer.path_means.get("gc")));
+        answer
     }
 }
 

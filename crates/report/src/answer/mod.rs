@@ -4,6 +4,7 @@
 mod compare;
 mod fitted_model;
 mod identify;
+mod path_mean;
 mod remarks;
 pub use remarks::{held_at_limits, weighed};
 mod simulate;
@@ -14,6 +15,7 @@ pub(crate) use identify::histories;
 pub use identify::{
     IdentifyAnswer, ParameterAnswer, PublishedSummary, StageEnd, StageHistory, TestFit, Trial,
 };
+pub use path_mean::PathMean;
 pub use simulate::{EnergyAnswer, JumpAnswer, SimulateAnswer, SolverAnswer, TestCurve};
 
 /// Version of the answers' layout.

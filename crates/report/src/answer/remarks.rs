@@ -1,5 +1,6 @@
 //! What a reader should know about the numbers: meshes too coarse, intervals that are mostly their error, steps too large.
 
+use super::PathMean;
 use super::identify::TestFit;
 use crate::terminal::significant;
 use analysis::SimulatedTest;
@@ -55,10 +56,15 @@ pub fn mesh_dominated(dominated: &[String], tests: &IndexMap<String, TestFit>) -
     ))
 }
 
-/// The toughness that each record of a tear shows by its energy alone, beside the mean of the identified ones, N/mm.
-pub fn by_energy(tests: &IndexMap<String, TestFit>, identified: Option<f64>) -> Vec<String> {
+/// The toughness that each record of a tear shows by its energy alone, beside the mean of the identified ones.
+pub fn by_energy(tests: &IndexMap<String, TestFit>, identified: Option<&PathMean>) -> Vec<String> {
     let beside = identified.map_or(String::new(), |gc| {
-        format!("; identified {} N/mm, the mean over the areas", significant(gc, 3))
+        format!(
+            "; identified {} ± {} N/mm{}",
+            significant(gc.value, 3),
+            significant(gc.std_error, 2),
+            if gc.areas > 1 { ", the mean over the areas" } else { "" }
+        )
     });
     let told = |(name, t): (&String, &TestFit)| {
         let b = t.gc_by_energy.as_ref()?;

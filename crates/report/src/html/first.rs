@@ -74,7 +74,8 @@ pub fn cause(v: &View) -> (bool, String) {
     (good, sentence)
 }
 
-/// Gc and σc: one area's value with its interval; of several areas the mean of those the records fix.
+/// Gc and σc: one area's value with its interval; of several areas their mean along the path, or that of those the
+/// records fix one by one.
 fn values(a: &IdentifyAnswer) -> String {
     let of = |end: &str| -> Vec<&ParameterAnswer> {
         a.parameters
@@ -106,6 +107,22 @@ fn alone(p: &ParameterAnswer) -> [String; 2] {
 fn together(a: &IdentifyAnswer, end: &str, all: &[&ParameterAnswer]) -> [String; 2] {
     let fixed = known(a, end);
     let unit = all.first().map_or("", |p| readable_unit(&p.path, &p.unit).0);
+    if let Some(mean) = a.path_means.get(end.trim_start_matches("].")) {
+        let of = if mean.counted < mean.areas {
+            format!(", {} of {} areas", mean.counted, mean.areas)
+        } else {
+            String::new()
+        };
+        let [low, high] = mean.interval_95.map(|x| significant(x, 3));
+        let error = significant(mean.std_error, 2);
+        let by_itself = match fixed.len() {
+            0 => "no area is known by itself".to_owned(),
+            n => format!("{n} of {} areas are known by themselves", all.len()),
+        };
+        let note =
+            format!("mean along the tear path{of} ± its standard error (95 %: {low} – {high}); {by_itself}");
+        return [format!("{} ± {error} {unit}", significant(mean.value, 3)), note];
+    }
     if fixed.is_empty() {
         return ["–".into(), format!("in none of the {} areas fixed by the records", all.len())];
     }

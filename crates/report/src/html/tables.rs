@@ -2,7 +2,9 @@
 
 use super::{Cell, escape, share_class, table};
 use crate::answer::{IdentifyAnswer, ParameterAnswer, TestFit};
-use crate::terminal::{SLOPPY_SHOWN, interval, published_value, readable_unit, remark, significant};
+use crate::terminal::{
+    SLOPPY_SHOWN, interval, path_means, published_value, readable_unit, remark, significant,
+};
 use std::fmt::Write;
 
 /// Fit of each test and channel.
@@ -44,7 +46,10 @@ pub fn parameters(a: &IdentifyAnswer) -> String {
     }
     header.extend(["identifiable", "remark"]);
     let rows = table(&header, a.parameters.iter().map(|p| row(p, published)));
-    format!("{rows}{}", unknown(a))
+    let means = path_means(a).map_or_else(String::new, |m| {
+        format!("<p>{}. Areas that trade off against their neighbours are known better together than apart.</p>\n", escape(&m))
+    });
+    format!("{rows}{means}{}", unknown(a))
 }
 
 fn row(p: &ParameterAnswer, published: bool) -> Vec<Cell> {

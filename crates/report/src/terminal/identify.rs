@@ -22,6 +22,9 @@ pub fn identify(a: &IdentifyAnswer, curves: &[Curve], style: Style) -> String {
         let _ = writeln!(out, "{}", style.notice("The records are synthetic, not measured."));
     }
     let _ = writeln!(out, "\n{}", parameter_table(a, style));
+    if let Some(means) = path_means(a) {
+        let _ = writeln!(out, "{}", wrap(&means, style.width, 2));
+    }
     let _ = writeln!(out, "\n{}", test_table(a, style));
     for curve in curves.iter().filter(|c| !c.measured.is_empty()) {
         let _ = writeln!(out, "\n{}", small_plot(curve, style));
@@ -82,6 +85,29 @@ pub(super) fn verdict(a: &IdentifyAnswer, style: Style) -> String {
     let left =
         a.left.as_ref().map_or_else(String::new, |l| format!("\n{}", wrap(&l.sentence(), style.width, 0)));
     format!("{}: {word}\n{chi2}{left}", style.bold(&head))
+}
+
+/// Means along the tear path, where there are areas to average.
+pub(crate) fn path_means(a: &IdentifyAnswer) -> Option<String> {
+    let several = a.path_means.iter().filter(|(_, m)| m.areas > 1);
+    let told: Vec<String> = several
+        .map(|(name, m)| {
+            let (unit, factor) = readable_unit(&format!("interface.{name}"), &m.unit);
+            let of = if m.counted < m.areas {
+                format!(", {} of {} areas", m.counted, m.areas)
+            } else {
+                String::new()
+            };
+            format!(
+                "{name} {} ± {} {unit} ({} – {}{of})",
+                significant(m.value * factor, 3),
+                significant(m.std_error * factor, 2),
+                significant(m.interval_95[0] * factor, 3),
+                significant(m.interval_95[1] * factor, 3),
+            )
+        })
+        .collect();
+    (!told.is_empty()).then(|| format!("Mean along the tear path: {}", told.join(", ")))
 }
 
 fn parameter_table(a: &IdentifyAnswer, style: Style) -> String {

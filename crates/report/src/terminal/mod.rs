@@ -15,7 +15,7 @@ pub use discover::discover;
 pub(crate) use discover::{called, chance, p_value};
 pub use doctor::doctor_lines;
 pub use identify::identify;
-pub(crate) use identify::{SLOPPY_SHOWN, interval, published_value, remark};
+pub(crate) use identify::{SLOPPY_SHOWN, interval, path_means, published_value, remark};
 pub use overview::{
     BatchMean, BatchRow, LadderRow, LeftOut, batch, batch_mean, batch_rows, ladder, ladder_rows,
 };
