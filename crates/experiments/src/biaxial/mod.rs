@@ -37,8 +37,11 @@ impl Experiment for Biaxial {
             specimen: include_str!("sample/specimen.toml"),
             config: include_str!("sample/config.toml"),
             records: &[
-                ("equal.csv", include_str!("sample/equal.csv")),
-                ("half.csv", include_str!("sample/half.csv")),
+                ("y100_x100.csv", include_str!("sample/y100_x100.csv")),
+                ("y100_x75.csv", include_str!("sample/y100_x75.csv")),
+                ("y75_x100.csv", include_str!("sample/y75_x100.csv")),
+                ("y100_x50.csv", include_str!("sample/y100_x50.csv")),
+                ("y50_x100.csv", include_str!("sample/y50_x100.csv")),
             ],
         })
     }
