@@ -16,7 +16,7 @@ const BY_DERIVATIVES: &str =
 pub(super) fn card(v: &View) -> Card {
     let question = "What is missing?";
     let Some(d) = &v.diagnosis else {
-        let added = v.current().filter(|r| explained(v) && !r.answer.effects.is_empty() && v.fitted_models.len() > 1);
+        let added = v.current().filter(|r| explained(v) && !r.parts.is_empty() && v.fitted_models.len() > 1);
         let head = match added {
             Some(r) if v.fitted_models.first().is_some_and(|b| !b.answer.explained) => {
                 format!("{}, which was added", escape(&r.name()))
