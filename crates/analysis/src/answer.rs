@@ -6,6 +6,7 @@ use crate::identify::AnalysisError;
 use crate::journal::{Journal, Recent};
 use crate::ladder::laws::other_laws;
 use crate::ladder::{Adds, FeLadder, LadderSettings, NextTest, Weighed};
+use crate::law_names::LawNames;
 use crate::parsimony::OneStrength;
 use crate::probable::{Left, PosteriorAnswer};
 use crate::problem::Cancelled;
@@ -50,8 +51,10 @@ pub struct ScreenRow {
 /// One step of the staircase.
 #[derive(Clone, Debug, Serialize)]
 pub struct LadderRow {
-    /// Effects in the model.
+    /// What the search added to the base: effects, and laws in place of the file's.
     pub effects: Vec<String>,
+    /// The laws of the model.
+    pub laws: LawNames,
     /// Free parameters.
     pub parameters: usize,
     /// Root mean square misfit over all force points, N.
@@ -178,6 +181,7 @@ pub(crate) fn ladder_row(l: &FeLadder, r: &FittedModel) -> LadderRow {
     let case = fitted.map(|f| &f.model.case);
     LadderRow {
         effects: r.effects.clone(),
+        laws: LawNames::of(case.map_or(l.case(), |c| c)),
         parameters: r.parameters,
         rms_n: r.rms,
         reduced_chi2: r.reduced_chi2,

@@ -14,6 +14,7 @@ mod held_out;
 mod identify;
 mod journal;
 mod ladder;
+mod law_names;
 mod needs;
 mod parsimony;
 mod priors;
@@ -45,6 +46,7 @@ pub use identify::{
 pub use journal::{Journal, NoJournal};
 pub use ladder::laws::keeps_meaning;
 pub use ladder::{Adds, FeLadder, Fitted, LadderSettings, NextTest, Tried, Weighed};
+pub use law_names::LawNames;
 pub use needs::{Need, needs};
 pub use parsimony::{OneStrength, one_strength};
 pub use probable::{Brief, Left, PosteriorAnswer, Probable};

@@ -1,10 +1,8 @@
 //! An experiment of one's own, from outside the workspace's crates: written, checked, named by a file and run.
 //! `cargo run -p effects --example own_experiment`; docs/adding-an-experiment.md walks through it.
 
-use experiments::{
-    Experiment, Held, Setting, SupportFault, Supports, any_piece, flat_strip, no_balance, nothing,
-};
-use input::{Ends, ExperimentCard, Geometry, Grips, Layout, Test};
+use experiments::{Experiment, Held, Setting, SupportFault, Supports, flat_strip, intact_sheet};
+use input::{Ends, ExperimentCard, Test};
 use mesh::{Mesh, MeshError, Strip};
 use model::{Discretisation, Model, Request, RunOptions};
 use std::error::Error;
@@ -13,22 +11,14 @@ use std::sync::Arc;
 // ---- The experiment: a strip between two walls, which is stretched but cannot become narrower ----
 
 static CARD: ExperimentCard = ExperimentCard {
-    name: "between_walls",
-    summary: "A strip is stretched between two smooth walls that keep its width.",
-    layout: Layout::Sheet,
-    tears: false,
-    whole_section: true,
-    free_strip: false,
-    two_axes: false,
-    channels: &["grip_displacement"],
     ends: &[Ends::Sliding],
-    grips: &[Grips::Ends],
     clamped_faces: false,
     shaped: false,
-    objection: any_piece,
-    farthest: |g: &Geometry| 0.3 * g.length,
-    estimate: nothing,
-    balance: no_balance,
+    ..intact_sheet(
+        "between_walls",
+        "A strip is stretched between two smooth walls that keep its width.",
+        |g| 0.3 * g.length,
+    )
 };
 
 struct BetweenWalls;

@@ -12,6 +12,7 @@
 //! ```
 
 mod biaxial;
+mod cards;
 mod estimate;
 mod experiment;
 mod flat;
@@ -25,6 +26,7 @@ mod tearing;
 mod uniaxial;
 
 pub use biaxial::Biaxial;
+pub use cards::{intact_sheet, peeled_sheet, torn_sheet};
 pub use estimate::{any_piece, from_area, no_balance, nothing, over_the_torn_area};
 pub use experiment::{Experiment, Sample, Setting, SupportFault, Supports};
 pub use flat::flat_strip;
@@ -32,7 +34,7 @@ pub use peel::{plateau_balance, plateau_estimate, split_strip};
 pub use peel_180::Peel180;
 pub use pure_shear::PureShear;
 pub use registry::{Experiments, registry};
-pub use supports::{Held, across_the_ends, at_the_mouth};
+pub use supports::{Held, across_the_ends, at_the_grips, at_the_mouth};
 pub use t_peel::TPeel;
 pub use tearing::Tearing;
 pub use uniaxial::Uniaxial;

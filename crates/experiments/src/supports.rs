@@ -2,7 +2,7 @@
 
 use crate::{SupportFault, Supports};
 use fem::Prescribed;
-use input::{Ends, Test};
+use input::{Ends, Grips, Test};
 use mesh::Mesh;
 
 /// Supports while they are written.
@@ -72,6 +72,17 @@ impl<'a> Held<'a> {
                 }
             }
         }
+    }
+}
+
+/// Where the test says that its grips are: at the end faces, or at the mouth of the cut.
+///
+/// # Errors
+/// [`SupportFault`].
+pub fn at_the_grips(mesh: &Mesh, test: &Test) -> Result<Supports, SupportFault> {
+    match test.grips {
+        Grips::Ends => across_the_ends(mesh, test),
+        Grips::Mouth => at_the_mouth(mesh, test),
     }
 }
 

@@ -11,6 +11,7 @@ pub mod export;
 pub mod fields;
 pub mod figures;
 pub mod html;
+mod law_columns;
 mod peek;
 mod published;
 mod rundir;

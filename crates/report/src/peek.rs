@@ -1,5 +1,7 @@
 //! Looking into answers that are only known as JSON: what is not there is empty.
 
+use analysis::LawNames;
+use serde::Deserialize;
 use serde_json::Value;
 
 /// A string.
@@ -25,6 +27,11 @@ pub fn list(v: &Value, key: &str) -> Vec<String> {
 /// A list of anything.
 pub fn rows<'a>(v: &'a Value, key: &str) -> &'a [Value] {
     v.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
+}
+
+/// The laws of a model, where they are known.
+pub fn laws(v: &Value) -> Option<LawNames> {
+    LawNames::deserialize(v.get("laws")?).ok()
 }
 
 /// Every name of a diagnosis with its rivals: `lag or viscoelastic`.

@@ -8,7 +8,7 @@ use crate::runs::{RunInfo, StoredRun};
 use crate::synthetic::synthetic_files;
 use crate::tables::{history_csv, jacobian_csv};
 use crate::{Curve, ReportError, RunDir, html};
-use analysis::{Identified, Simulated, SimulatedTest};
+use analysis::{Identified, LadderRow, Simulated, SimulatedTest};
 use input::{Case, Figure as Format};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -58,7 +58,7 @@ pub fn store_discover(
         fields(dir, case, &snapshots(&done.model, &done.theta, replayed, case.output.fields))?;
         let mut all = figures::of_identify(found, &curves)?;
         let fitted_models: Vec<(String, f64)> =
-            answer.ladder.iter().map(|r| (fitted_name(&r.effects), r.rms_n)).collect();
+            answer.ladder.iter().map(|r| (fitted_name(r, &answer.ladder), r.rms_n)).collect();
         all.extend(figures::staircase(&fitted_models, noise(found))?);
         figure_files(dir, &all, &case.output.figures)?;
     }
@@ -66,8 +66,10 @@ pub fn store_discover(
     Ok(json)
 }
 
-fn fitted_name(effects: &[String]) -> String {
-    if effects.is_empty() { "base".into() } else { effects.join(" + ") }
+/// A rung in words: what it has beside the first.
+fn fitted_name(row: &LadderRow, ladder: &[LadderRow]) -> String {
+    let parts = row.laws.parts(&ladder.first().unwrap_or(row).laws, &row.effects);
+    if parts.is_empty() { "base".into() } else { parts.join(" + ") }
 }
 
 /// Noise over all force points, N.

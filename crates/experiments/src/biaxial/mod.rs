@@ -1,10 +1,8 @@
 #![doc = include_str!("README.md")]
 
-use crate::{
-    Experiment, Held, Sample, Setting, SupportFault, Supports, any_piece, flat_strip, no_balance, nothing,
-};
+use crate::{Experiment, Held, Sample, Setting, SupportFault, Supports, flat_strip, intact_sheet};
 use fem::Reaction;
-use input::{Ends, ExperimentCard, Geometry, Grips, Layout, Test};
+use input::{Ends, ExperimentCard, Test};
 use mesh::{Mesh, MeshError, Strip};
 
 /// Usual strain of a sheet between two pairs of clamps.
@@ -13,22 +11,16 @@ const STRETCH: f64 = 0.25;
 const CLAMP: f64 = 0.6;
 
 static CARD: ExperimentCard = ExperimentCard {
-    name: "biaxial",
-    summary: "A sheet is stretched along both axes by two actuators, in one ratio of their displacements.",
-    layout: Layout::Sheet,
-    tears: false,
-    whole_section: true,
-    free_strip: false,
     two_axes: true,
     channels: &["force_x"],
     ends: &[Ends::Sliding, Ends::Clamped],
-    grips: &[Grips::Ends],
     clamped_faces: false,
     shaped: false,
-    objection: any_piece,
-    farthest: |g: &Geometry| STRETCH * g.length,
-    estimate: nothing,
-    balance: no_balance,
+    ..intact_sheet(
+        "biaxial",
+        "A sheet is stretched along both axes by two actuators, in one ratio of their displacements.",
+        |g| STRETCH * g.length,
+    )
 };
 
 /// A sheet stretched along both axes.
@@ -45,8 +37,11 @@ impl Experiment for Biaxial {
             specimen: include_str!("sample/specimen.toml"),
             config: include_str!("sample/config.toml"),
             records: &[
-                ("equal.csv", include_str!("sample/equal.csv")),
-                ("half.csv", include_str!("sample/half.csv")),
+                ("y100_x100.csv", include_str!("sample/y100_x100.csv")),
+                ("y100_x75.csv", include_str!("sample/y100_x75.csv")),
+                ("y75_x100.csv", include_str!("sample/y75_x100.csv")),
+                ("y100_x50.csv", include_str!("sample/y100_x50.csv")),
+                ("y50_x100.csv", include_str!("sample/y50_x100.csv")),
             ],
         })
     }

@@ -1,10 +1,8 @@
 #![doc = include_str!("README.md")]
 
-use crate::{
-    Experiment, Held, Sample, Setting, SupportFault, Supports, plateau_balance, plateau_estimate, split_strip,
-};
+use crate::{Experiment, Held, Sample, Setting, SupportFault, Supports, peeled_sheet, split_strip};
 use fem::Waypoint;
-use input::{Ends, ExperimentCard, Geometry, Grips, Layout, Test};
+use input::{ExperimentCard, Geometry, Test};
 use mesh::{Mesh, MeshError, Strip};
 use std::f64::consts::PI;
 
@@ -18,22 +16,12 @@ const FOLD: f64 = 1.0;
 const TURNS: usize = 24;
 
 static CARD: ExperimentCard = ExperimentCard {
-    name: "peel_180",
-    summary: "A sheet is glued to a plate by its lower face; its upper arm, folded back by 180°, is pulled along it.",
-    layout: Layout::Split,
-    tears: true,
-    whole_section: false,
-    free_strip: false,
-    two_axes: false,
-    channels: &["grip_displacement", "tear_front"],
-    ends: &[Ends::Clamped],
-    grips: &[Grips::Ends],
-    clamped_faces: false,
-    shaped: false,
     objection,
-    farthest,
-    estimate: plateau_estimate,
-    balance: plateau_balance,
+    ..peeled_sheet(
+        "peel_180",
+        "A sheet is glued to a plate by its lower face; its upper arm, folded back by 180°, is pulled along it.",
+        farthest,
+    )
 };
 
 /// One arm folded back and pulled along the sheet.

@@ -1,29 +1,21 @@
 #![doc = include_str!("README.md")]
 
-use crate::{Experiment, Setting, SupportFault, Supports, across_the_ends, flat_strip};
-use input::{Balance, Ends, ExperimentCard, Geometry, Grips, Layout, Record, Test};
+use crate::{Experiment, Setting, SupportFault, Supports, across_the_ends, flat_strip, torn_sheet};
+use input::{Balance, ExperimentCard, Geometry, Record, Test};
 use mesh::{Mesh, MeshError, Strip};
 
 /// Least width over the distance of the clamps.
 const WIDE: f64 = 3.0;
 
 static CARD: ExperimentCard = ExperimentCard {
-    name: "pure_shear",
-    summary: "A wide sheet with a cut is pulled between long clamps until the tear runs.",
-    layout: Layout::Sheet,
-    tears: true,
-    whole_section: true,
-    free_strip: false,
-    two_axes: false,
-    channels: &["grip_displacement", "tear_front"],
-    ends: &[Ends::Clamped],
-    grips: &[Grips::Ends],
-    clamped_faces: true,
-    shaped: true,
     objection,
-    farthest: |g: &Geometry| g.length,
     estimate,
     balance,
+    ..torn_sheet(
+        "pure_shear",
+        "A wide sheet with a cut is pulled between long clamps until the tear runs.",
+        |g| g.length,
+    )
 };
 
 /// A wide sheet with a cut.

@@ -1,10 +1,7 @@
 #![doc = include_str!("README.md")]
 
-use crate::{
-    Experiment, Held, Sample, Setting, SupportFault, Supports, any_piece, plateau_balance, plateau_estimate,
-    split_strip,
-};
-use input::{Ends, ExperimentCard, Geometry, Grips, Layout, Test};
+use crate::{Experiment, Held, Sample, Setting, SupportFault, Supports, peeled_sheet, split_strip};
+use input::{ExperimentCard, Geometry, Test};
 use mesh::{Mesh, MeshError, Strip};
 
 /// Usual share of the bonded length that is peeled.
@@ -12,24 +9,11 @@ const PEELED: f64 = 0.5;
 /// Usual stretch of the arms.
 const STRETCH: f64 = 1.2;
 
-static CARD: ExperimentCard = ExperimentCard {
-    name: "t_peel",
-    summary: "A sheet split in its plane is peeled: its two arms are pulled apart, the rest hangs free.",
-    layout: Layout::Split,
-    tears: true,
-    whole_section: false,
-    free_strip: false,
-    two_axes: false,
-    channels: &["grip_displacement", "tear_front"],
-    ends: &[Ends::Clamped],
-    grips: &[Grips::Ends],
-    clamped_faces: false,
-    shaped: false,
-    objection: any_piece,
+static CARD: ExperimentCard = peeled_sheet(
+    "t_peel",
+    "A sheet split in its plane is peeled: its two arms are pulled apart, the rest hangs free.",
     farthest,
-    estimate: plateau_estimate,
-    balance: plateau_balance,
-};
+);
 
 /// A dissection test: two arms pulled apart.
 #[derive(Clone, Copy, Debug, Default)]

@@ -75,6 +75,7 @@ mod tests {
         let (case, forms) = (read(&base)?, read(&formed)?.effects);
         let row = LadderRow {
             effects: vec!["viscoelastic".into()],
+            laws: analysis::LawNames::of(&case),
             parameters: 0,
             rms_n: 0.0,
             reduced_chi2: 0.0,

@@ -52,6 +52,51 @@ fn what_cannot_be_added_is_told_of_the_file_that_would_be_written() -> Tested {
     Ok(())
 }
 
+/// Rungs that differ by a law alone are told apart: in the answer, in the terminal's table, on the page. Where every model
+/// has the default laws, no table speaks of them.
+#[test]
+fn a_ladder_says_which_law_each_rung_has() -> Tested {
+    let folder = common::synthetic()?;
+    let here = folder.path();
+    let done = |arguments: &[&str]| -> Result<String, Box<dyn std::error::Error>> {
+        let out = fct(here, arguments)?;
+        assert!(out.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&out.stderr));
+        Ok(String::from_utf8(out.stdout)?)
+    };
+    done(&["identify", "fit.toml", "--out", "base"])?;
+    let plain = done(&["ladder", "base"])?;
+    assert!(!plain.contains("law"), "{plain}");
+    done(&["add", "bilinear", "base", "--out", "torn.toml"])?;
+    let identified = json(here, &["identify", "torn.toml", "--out", "torn"])?.1;
+    let (default, other) = (
+        serde_json::json!({ "bulk": "hgo", "interface": "exponential" }),
+        serde_json::json!({ "bulk": "hgo", "interface": "bilinear" }),
+    );
+    assert_eq!((&identified["laws"], &identified["effects"]), (&other, &serde_json::json!([])));
+
+    let (code, ladder, said) = json(here, &["ladder", "torn", "base"])?;
+    assert_eq!(code, 0, "{said}");
+    for row in ladder["ladder"].as_array().ok_or("rungs")? {
+        assert_eq!(row["laws"], if row["run"] == "torn" { other.clone() } else { default.clone() }, "{row}");
+    }
+    let table = done(&["ladder", "torn", "base"])?;
+    // Words of a cell may stand below each other.
+    assert!(table.contains(" law ") && table.contains(" bilinear ") && !table.contains("bulk"), "{table}");
+    assert!(table.contains("Where no law is named: interface exponential."), "{table}");
+    assert!(table.lines().all(|l| l.chars().count() <= 100), "{table}");
+
+    done(&["report", "base", "torn", "--out", "ladder.html"])?;
+    for page in [here.join("ladder.html"), here.join("torn/report.html")] {
+        let page = fs::read_to_string(page)?;
+        let (_, ladder) = page.split_once("id=\"ladder\"").ok_or("a ladder")?;
+        let (ladder, _) = ladder.split_once("</section>").ok_or("its end")?;
+        for part in ["interface law", "law bilinear", "exponential"] {
+            assert!(ladder.contains(part), "{part} in\n{ladder}");
+        }
+    }
+    Ok(())
+}
+
 /// A record made with a bilinear law, with another mesh and other steps than it is fitted with, is called that: no bridging,
 /// no other effect in its place.
 #[test]
@@ -75,5 +120,12 @@ fn a_record_of_another_law_is_called_that() -> Tested {
         "{}",
         answer["words"]
     );
+    let top = answer["ladder"].as_array().and_then(|l| l.last()).ok_or("a ladder")?;
+    assert_eq!(top["laws"], serde_json::json!({ "bulk": "hgo", "interface": "bilinear" }));
+    // Asked again, in words.
+    let out = fct(here, &["discover", "fit.toml", "--quiet"])?;
+    let table = String::from_utf8(out.stdout)?;
+    assert!(table.contains("bilinear"), "{table}");
+    assert!(table.contains("Laws of the base: interface exponential."), "{table}");
     Ok(())
 }

@@ -3,7 +3,7 @@
 use super::remarks::{by_energy, held_at_limits, mesh_dominated, remarks, weighed};
 use super::{EnergyAnswer, PathMean, SCHEMA, finite};
 use crate::published::Published;
-use analysis::{HistoryEntry, Identified, Left, PhaseCost, SimulatedTest};
+use analysis::{HistoryEntry, Identified, LawNames, Left, PhaseCost, SimulatedTest};
 use indexmap::IndexMap;
 use inverse::Quality;
 use model::Channel;
@@ -20,6 +20,9 @@ pub struct IdentifyAnswer {
     pub provenance: String,
     /// Effects in the model.
     pub effects: Vec<String>,
+    /// Laws of the model; unknown of runs of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub laws: Option<LawNames>,
     /// Every free parameter.
     pub parameters: Vec<ParameterAnswer>,
     /// Means of what varies along the tear path, by name (`gc`, `sigma_c`), where the records fix them.
@@ -250,6 +253,7 @@ impl IdentifyAnswer {
             specimen: case.name.clone(),
             provenance: case.provenance.clone(),
             effects: done.model.effects(),
+            laws: Some(LawNames::of(case)),
             published: published.map(|p| summary(p, &parameters)),
             parameters,
             path_means: IndexMap::new(),

@@ -4,6 +4,7 @@ use super::answer::called;
 use super::view::{FittedModel, View};
 use super::{Cell, escape, per_model, share_class, table};
 use crate::answer::IdentifyAnswer;
+use crate::law_columns::{cell, head, told_sites};
 use crate::peek::{list, number, rows, text, yes};
 use crate::terminal::{called as called_words, known, mean_sd, p_value, significant};
 use analysis::Residuals;
@@ -38,8 +39,7 @@ fn step(v: &View, k: usize, r: &FittedModel, most: f64) -> String {
     let name = match before {
         None => r.name(),
         Some(b) => {
-            let new: Vec<&String> =
-                r.answer.effects.iter().filter(|e| !b.answer.effects.contains(e)).collect();
+            let new: Vec<&String> = r.parts.iter().filter(|e| !b.parts.contains(e)).collect();
             if new.is_empty() {
                 r.name()
             } else {
@@ -64,8 +64,10 @@ fn ladder_table(v: &View) -> String {
         mean_sd(&known(&r.answer, end)).map_or_else(|| "–".into(), |[mean, _]| significant(mean, 3))
     };
     let optional = |x: Option<f64>, digits| x.map_or("–".to_owned(), |x| significant(x, digits));
+    let sites = told_sites(v.fitted_models.iter().map(|r| r.answer.laws.as_ref()));
+    let law = head(&sites);
     let rows = v.fitted_models.iter().map(|r| {
-        vec![
+        let mut row = vec![
             Cell::left(r.name()),
             Cell::number(r.answer.parameters.len().to_string()),
             Cell::number(significant(r.rms(), 3)),
@@ -74,9 +76,13 @@ fn ladder_table(v: &View) -> String {
             Cell::number(optional(r.bic(), 5)),
             Cell::number(mean(r, "].gc")),
             Cell::number(mean(r, "].sigma_c")),
-        ]
+        ];
+        if law.is_some() {
+            row.insert(1, Cell::left(cell(r.answer.laws.as_ref(), &sites)));
+        }
+        row
     });
-    let header = [
+    let mut header = vec![
         "model",
         "parameters",
         "rms (N)",
@@ -86,6 +92,9 @@ fn ladder_table(v: &View) -> String {
         "mean Gc (N/mm)",
         "mean σc (MPa)",
     ];
+    if let Some(law) = &law {
+        header.insert(1, law);
+    }
     table(&header, rows)
 }
 

@@ -2,9 +2,11 @@
 
 use super::sliders::Response;
 use crate::answer::IdentifyAnswer;
+use crate::peek::list;
 use crate::runs::StoredRun;
 use crate::shell::quoted_path;
 use crate::{Curve, ReportError};
+use analysis::LawNames;
 use serde_json::Value;
 use std::path::Path;
 
@@ -25,6 +27,8 @@ pub struct FittedModel {
     pub run: String,
     /// Rms, χ² and BIC as the search judged them; `None` outside a search.
     pub judged: Option<Value>,
+    /// What it has beside the base of its ladder: other laws, effects.
+    pub parts: Vec<String>,
 }
 
 /// Everything a page shows.
@@ -49,17 +53,24 @@ impl FittedModel {
         let at = run.in_folder(files);
         let pictures = pictures(&at, answer.tests.keys())?;
         let (response, run) = (Response::of(&at)?, quoted_path(&run.path));
-        Ok(Some(Self { pictures, curves: at.curves()?, response, run, answer, judged: None }))
+        let (curves, parts) = (at.curves()?, answer.effects.clone());
+        Ok(Some(Self { pictures, curves, response, run, answer, judged: None, parts }))
     }
 
-    /// The model in words: what the search added, which may be another law, else the effects of the run.
+    /// The same on a ladder whose base has these laws.
+    fn beside(mut self, base: Option<&LawNames>) -> Self {
+        if let Some(row) = &self.judged {
+            self.parts = list(row, "effects");
+        }
+        if let (Some(own), Some(base)) = (&self.answer.laws, base) {
+            self.parts = own.parts(base, &self.parts);
+        }
+        self
+    }
+
+    /// The model in words: what it has beside the base, laws that are not the base's and effects.
     pub fn name(&self) -> String {
-        let of_search = self.judged.as_ref().and_then(|row| row["effects"].as_array());
-        let added: Vec<&str> = match of_search {
-            Some(list) => list.iter().filter_map(Value::as_str).collect(),
-            None => self.answer.effects.iter().map(String::as_str).collect(),
-        };
-        if added.is_empty() { "base model".into() } else { added.join(" + ") }
+        if self.parts.is_empty() { "base model".into() } else { self.parts.join(" + ") }
     }
 
     /// Reduced χ² with numerical error: the search's own where there was one.
@@ -110,6 +121,12 @@ impl FittedModel {
     }
 }
 
+/// Each rung with what it has beside the first.
+fn beside_the_base(fitted_models: Vec<FittedModel>) -> Vec<FittedModel> {
+    let base = fitted_models.first().and_then(|r| r.answer.laws.clone());
+    fitted_models.into_iter().map(|r| r.beside(base.as_ref())).collect()
+}
+
 /// The pictures of the strip that a run stored, by test.
 ///
 /// # Errors
@@ -143,6 +160,7 @@ impl View {
                 // An unfinished run: its ancestors are not what was asked for.
                 (_, None) => Vec::new(),
             };
+        fitted_models = beside_the_base(fitted_models);
         let shown = fitted_models.len().saturating_sub(1);
         if let Some(last) = fitted_models.last_mut()
             && last.pictures.is_empty()
@@ -190,7 +208,7 @@ impl View {
         let base = fitted_models.first().map_or(first, |r| r.1);
         let diagnosis = base.diagnosis()?;
         let shown = fitted_models.len().saturating_sub(1);
-        let fitted_models = fitted_models.into_iter().map(|r| r.0).collect();
+        let fitted_models = beside_the_base(fitted_models.into_iter().map(|r| r.0).collect());
         Ok(Self { run, fitted_models, shown, diagnosis })
     }
 

@@ -1,8 +1,9 @@
 //! Tables of diagnose and discover, from their JSON answers.
 
 use super::{Style, significant, table, wrap};
-use crate::peek::{groups, list, number, probabilities, rows, text, yes};
-use analysis::percent;
+use crate::law_columns::said;
+use crate::peek::{groups, laws, list, number, probabilities, rows, text, yes};
+use analysis::{LawNames, percent};
 use input::visible;
 use serde_json::Value;
 use std::fmt::Write;
@@ -77,8 +78,11 @@ const MARKS: &str = "p: the chance of so much without the effect, with the noise
 
 fn ladder(fitted_models: &[Value], style: Style) -> String {
     let most = fitted_models.iter().filter_map(|r| number(r, "rms_N")).fold(f64::MIN_POSITIVE, f64::max);
-    let lines = fitted_models.iter().map(|r| {
-        let names = list(r, "effects");
+    let all: Vec<Option<LawNames>> = fitted_models.iter().map(laws).collect();
+    let base = all.first().and_then(Option::as_ref);
+    let lines = fitted_models.iter().zip(&all).map(|(r, own)| {
+        let effects = list(r, "effects");
+        let names = own.as_ref().zip(base).map_or(effects.clone(), |(own, base)| own.parts(base, &effects));
         let share = number(r, "rms_N").unwrap_or(0.0) / most;
         vec![
             if names.is_empty() { "base".to_owned() } else { names.join(" + ") },
@@ -92,7 +96,11 @@ fn ladder(fitted_models: &[Value], style: Style) -> String {
         ]
     });
     let header = ["effects", "param.", "rms (N)", "", "held out (N)", "χ²/ν", "with num. error", "BIC"];
-    table(style, &header, &[0, 3], lines.collect())
+    let mut out = table(style, &header, &[0, 3], lines.collect());
+    if let Some(said) = base.and_then(|b| said(all.iter().map(Option::as_ref), b, "Laws of the base")) {
+        let _ = write!(out, "\n\n{}", wrap(&said, style.width, 0));
+    }
+    out
 }
 
 fn probable(answer: &Value, style: Style) -> String {

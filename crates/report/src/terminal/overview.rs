@@ -3,7 +3,9 @@
 
 use super::{Style, significant, table, wrap};
 use crate::answer::{IdentifyAnswer, ParameterAnswer};
+use crate::law_columns::{default_laws, said};
 use crate::runs::StoredRun;
+use analysis::LawNames;
 use serde::Serialize;
 
 /// One specimen of a batch. Means are over the areas whose value the records fix and that stand at no bound.
@@ -216,6 +218,9 @@ pub struct LadderRow {
     pub run: String,
     /// Effects in the model.
     pub effects: Vec<String>,
+    /// Laws of the model; unknown of runs of earlier versions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub laws: Option<LawNames>,
     /// Free parameters.
     pub parameters: usize,
     /// One number over all force points, N.
@@ -243,6 +248,7 @@ pub fn ladder_rows(runs: &[(StoredRun, IdentifyAnswer)]) -> Vec<LadderRow> {
             LadderRow {
                 run: run.path.display().to_string(),
                 effects: a.effects.clone(),
+                laws: a.laws.clone(),
                 parameters: a.parameters.len(),
                 rms_N: a.rms_N,
                 reduced_chi2: a.reduced_chi2,
@@ -261,16 +267,18 @@ pub fn ladder_rows(runs: &[(StoredRun, IdentifyAnswer)]) -> Vec<LadderRow> {
 /// Columns of a bar: few, so that the effects' names keep theirs.
 const BAR: f64 = 5.0;
 
-/// The staircase of error against effects.
+/// The staircase of error against effects; a law that is not the default stands before them.
 pub fn ladder(rows: &[LadderRow], style: Style) -> String {
     let most = rows.iter().fold(f64::MIN_POSITIVE, |m, r| m.max(r.rms_N));
+    let default = default_laws();
     let header =
         ["effects", "par.", "rms (N)", "", "held out (N)", "χ²/ν", "with num. error", "BIC", "Gc", "σc"];
     let number = |x: Option<f64>, digits| x.map_or("–".into(), |x| significant(x, digits));
     let lines = rows.iter().map(|r| {
         let bar = "█".repeat(((r.rms_N / most) * BAR).round().max(1.0) as usize);
+        let parts = r.laws.as_ref().map_or_else(|| r.effects.clone(), |l| l.parts(&default, &r.effects));
         vec![
-            if r.effects.is_empty() { "none".into() } else { r.effects.join(" + ") },
+            if parts.is_empty() { "none".into() } else { parts.join(" + ") },
             r.parameters.to_string(),
             significant(r.rms_N, 3),
             bar,
@@ -282,5 +290,9 @@ pub fn ladder(rows: &[LadderRow], style: Style) -> String {
             number(r.sigma_c_mean_MPa, 3),
         ]
     });
-    format!("{}\n{}", style.bold("Ladder"), table(style, &header, &[0, 3], lines.collect()))
+    let mut out = format!("{}\n{}", style.bold("Ladder"), table(style, &header, &[0, 3], lines.collect()));
+    if let Some(said) = said(rows.iter().map(|r| r.laws.as_ref()), &default, "Where no law is named") {
+        out.push_str(&format!("\n\n{}", wrap(&said, style.width, 0)));
+    }
+    out
 }
