@@ -65,6 +65,26 @@ class Fit(_Answer):
         self.model = model
 
     @property
+    def path_means(self) -> pd.DataFrame:
+        """Means along the tear path by name (``gc``, ``sigma_c``), where the records fix them: value, unit, std_error,
+        low_95, high_95, counted (areas in the mean), areas."""
+        rows = [
+            {
+                "name": name,
+                "value": m["value"],
+                "unit": m["unit"],
+                "std_error": m["std_error"],
+                "low_95": m["interval_95"][0],
+                "high_95": m["interval_95"][1],
+                "counted": m["counted"],
+                "areas": m["areas"],
+            }
+            for name, m in self.answer.get("path_means", {}).items()
+        ]
+        columns = ["name", "value", "unit", "std_error", "low_95", "high_95", "counted", "areas"]
+        return pd.DataFrame(rows, columns=columns).set_index("name")
+
+    @property
     def params(self) -> pd.DataFrame:
         """By path: value, unit, std_error, low_95, high_95, identifiable, at_bound."""
         rows = [

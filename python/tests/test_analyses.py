@@ -61,6 +61,8 @@ def test_objects_give_the_same_as_files(folder, fit):
 def test_a_fit_shows_itself(fit):
     assert list(fit.params.columns[:2]) == ["value", "unit"]
     assert fit.params.loc["interface.area[1].gc", "unit"] == "N/mm"
+    one = fit.path_means.loc["gc"]
+    assert (one["value"], one["counted"], one["areas"]) == (fit.params.loc["interface.area[1].gc", "value"], 1, 1)
     assert abs(fit.params.loc["interface.area[1].gc", "value"] / 0.15 - 1) < 0.1
     page = fit._repr_html_()
     assert "synthetic" in page and "interface.area[1].gc" in page and "explains the records" in page

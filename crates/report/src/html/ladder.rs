@@ -6,7 +6,7 @@ use super::{Cell, escape, per_model, share_class, table};
 use crate::answer::IdentifyAnswer;
 use crate::law_columns::{cell, head, told_sites};
 use crate::peek::{list, number, rows, text, yes};
-use crate::terminal::{called as called_words, known, mean_sd, p_value, significant};
+use crate::terminal::{along_path, called as called_words, p_value, significant};
 use analysis::Residuals;
 use serde_json::Value;
 
@@ -60,8 +60,8 @@ fn step(v: &View, k: usize, r: &FittedModel, most: f64) -> String {
 }
 
 fn ladder_table(v: &View) -> String {
-    let mean = |r: &FittedModel, end: &str| {
-        mean_sd(&known(&r.answer, end)).map_or_else(|| "–".into(), |[mean, _]| significant(mean, 3))
+    let mean = |r: &FittedModel, name: &str| {
+        along_path(&r.answer, name).map_or_else(|| "–".into(), |mean| significant(mean, 3))
     };
     let optional = |x: Option<f64>, digits| x.map_or("–".to_owned(), |x| significant(x, digits));
     let sites = told_sites(v.fitted_models.iter().map(|r| r.answer.laws.as_ref()));
@@ -74,8 +74,8 @@ fn ladder_table(v: &View) -> String {
             Cell::number(optional(r.held_out(), 3)),
             Cell::number(significant(r.chi2(), 3)),
             Cell::number(optional(r.bic(), 5)),
-            Cell::number(mean(r, "].gc")),
-            Cell::number(mean(r, "].sigma_c")),
+            Cell::number(mean(r, "gc")),
+            Cell::number(mean(r, "sigma_c")),
         ];
         if law.is_some() {
             row.insert(1, Cell::left(cell(r.answer.laws.as_ref(), &sites)));

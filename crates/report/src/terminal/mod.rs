@@ -19,7 +19,7 @@ pub(crate) use identify::{SLOPPY_SHOWN, interval, path_means, published_value, r
 pub use overview::{
     BatchMean, BatchRow, LadderRow, LeftOut, batch, batch_mean, batch_rows, ladder, ladder_rows,
 };
-pub(crate) use overview::{known, mean_in_words, mean_sd, pair};
+pub(crate) use overview::{along_path, known, mean_in_words, mean_sd, pair};
 pub use plot::sparkline;
 pub use simulate::simulate;
 

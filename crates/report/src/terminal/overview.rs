@@ -104,6 +104,13 @@ pub(crate) fn known(a: &IdentifyAnswer, end: &str) -> Vec<f64> {
     strengths(a).filter(|p| p.path.ends_with(end) && unknown(p).is_none()).map(|p| p.value).collect()
 }
 
+/// The mean of `gc` or `sigma_c` along the tear path where the records fix it, else over the areas that they fix one by one;
+/// internal unit.
+pub(crate) fn along_path(a: &IdentifyAnswer, name: &str) -> Option<f64> {
+    let apart = || mean_sd(&known(a, &format!("].{name}"))).map(|p| p[0]);
+    a.mean_along_path(name).map(|m| m.value).or_else(apart)
+}
+
 /// Mean and sample standard deviation; of one value the deviation is 0.
 pub(crate) fn mean_sd(x: &[f64]) -> Option<[f64; 2]> {
     if x.is_empty() {
@@ -233,9 +240,9 @@ pub struct LadderRow {
     pub held_out_rms_N: Option<f64>,
     /// Bayesian information criterion.
     pub bic: Option<f64>,
-    /// Mean Gc over the areas whose value is known, N/mm.
+    /// Mean Gc along the tear path, else over the areas whose value is known, N/mm.
     pub gc_mean_N_per_mm: Option<f64>,
-    /// Mean σc over the areas whose value is known, MPa.
+    /// The same of σc, MPa.
     pub sigma_c_mean_MPa: Option<f64>,
 }
 
@@ -243,21 +250,18 @@ pub struct LadderRow {
 pub fn ladder_rows(runs: &[(StoredRun, IdentifyAnswer)]) -> Vec<LadderRow> {
     let mut rows: Vec<LadderRow> = runs
         .iter()
-        .map(|(run, a)| {
-            let means = batch_row(a);
-            LadderRow {
-                run: run.path.display().to_string(),
-                effects: a.effects.clone(),
-                laws: a.laws.clone(),
-                parameters: a.parameters.len(),
-                rms_N: a.rms_N,
-                reduced_chi2: a.reduced_chi2,
-                reduced_chi2_total: a.reduced_chi2_total,
-                held_out_rms_N: a.held_out_rms_N,
-                bic: a.bic,
-                gc_mean_N_per_mm: means.gc_N_per_mm.map(|p| p[0]),
-                sigma_c_mean_MPa: means.sigma_c_MPa.map(|p| p[0]),
-            }
+        .map(|(run, a)| LadderRow {
+            run: run.path.display().to_string(),
+            effects: a.effects.clone(),
+            laws: a.laws.clone(),
+            parameters: a.parameters.len(),
+            rms_N: a.rms_N,
+            reduced_chi2: a.reduced_chi2,
+            reduced_chi2_total: a.reduced_chi2_total,
+            held_out_rms_N: a.held_out_rms_N,
+            bic: a.bic,
+            gc_mean_N_per_mm: along_path(a, "gc"),
+            sigma_c_mean_MPa: along_path(a, "sigma_c"),
         })
         .collect();
     rows.sort_by(|a, b| a.effects.len().cmp(&b.effects.len()).then(b.rms_N.total_cmp(&a.rms_N)));
