@@ -2,6 +2,7 @@
 
 use super::sliders::Response;
 use crate::answer::IdentifyAnswer;
+use crate::law_columns::default_laws;
 use crate::peek::list;
 use crate::runs::StoredRun;
 use crate::shell::quoted_path;
@@ -121,9 +122,8 @@ impl FittedModel {
     }
 }
 
-/// Each rung with what it has beside the first.
-fn beside_the_base(fitted_models: Vec<FittedModel>) -> Vec<FittedModel> {
-    let base = fitted_models.first().and_then(|r| r.answer.laws.clone());
+/// Each rung with what it has beside a base of these laws.
+fn beside(base: Option<LawNames>, fitted_models: Vec<FittedModel>) -> Vec<FittedModel> {
     fitted_models.into_iter().map(|r| r.beside(base.as_ref())).collect()
 }
 
@@ -160,7 +160,8 @@ impl View {
                 // An unfinished run: its ancestors are not what was asked for.
                 (_, None) => Vec::new(),
             };
-        fitted_models = beside_the_base(fitted_models);
+        let base = fitted_models.first().and_then(|r| r.answer.laws.clone());
+        fitted_models = beside(base, fitted_models);
         let shown = fitted_models.len().saturating_sub(1);
         if let Some(last) = fitted_models.last_mut()
             && last.pictures.is_empty()
@@ -208,7 +209,8 @@ impl View {
         let base = fitted_models.first().map_or(first, |r| r.1);
         let diagnosis = base.diagnosis()?;
         let shown = fitted_models.len().saturating_sub(1);
-        let fitted_models = beside_the_base(fitted_models.into_iter().map(|r| r.0).collect());
+        // The first of them need not be what the others were made from: laws are named as `fct ladder` names them.
+        let fitted_models = beside(Some(default_laws()), fitted_models.into_iter().map(|r| r.0).collect());
         Ok(Self { run, fitted_models, shown, diagnosis })
     }
 
