@@ -19,9 +19,15 @@ pub fn page(specimens: &[Specimen], failed: &[(String, String)]) -> String {
         n if n == answers.len() => "<span class=\"badge\">synthetic records</span>".into(),
         n => format!("<span class=\"badge\">{n} of {} synthetic</span>", answers.len()),
     };
+    let printed = if rows.iter().any(|r| r.published_gc_N_per_mm.or(r.published_sigma_c_MPa).is_some()) {
+        "<p class=\"muted\">Published: mean ± SD of the printed areas.</p>\n"
+    } else {
+        ""
+    };
     let body = format!(
         "<h1>{} specimens{badge}</h1>\n<p class=\"verdict\">{explained} of {} explained by their model{}</p>\n\
-         <section id=\"table\"><h2>Mean ± SD over the areas of each specimen</h2>\n{}{}</section>\n\
+         <section id=\"table\"><h2>Mean along the tear path of each specimen, ± its standard error</h2>\n\
+         {printed}{}{}</section>\n\
          {}<section><h2>Bulk</h2>\n{}</section>\n{}",
         rows.len(),
         rows.len(),
@@ -43,9 +49,9 @@ fn overview(specimens: &[Specimen], rows: &[BatchRow]) -> String {
             let word = if r.explained { "<td class=\"good\">yes</td>" } else { "<td class=\"bad\">no</td>" };
             let cells: String = [
                 r.areas.to_string(),
-                pair(r.gc_N_per_mm),
+                pair(r.gc_along_path_N_per_mm),
                 pair(r.published_gc_N_per_mm),
-                pair(r.sigma_c_MPa),
+                pair(r.sigma_c_along_path_MPa),
                 pair(r.published_sigma_c_MPa),
                 r.left_out.len().to_string(),
                 significant(r.reduced_chi2_total, 3),

@@ -8,16 +8,20 @@ use crate::runs::StoredRun;
 use analysis::LawNames;
 use serde::Serialize;
 
-/// One specimen of a batch. Means are over the areas whose value the records fix and that stand at no bound.
+/// One specimen of a batch.
 #[derive(Clone, Debug, Serialize)]
 pub struct BatchRow {
     /// Name.
     pub specimen: String,
     /// Number of areas.
     pub areas: usize,
-    /// Mean and SD of Gc over the areas, N/mm; null where no area's is known.
+    /// Mean of Gc along the tear path and its standard error, N/mm; null where the records do not fix it.
+    pub gc_along_path_N_per_mm: Option<[f64; 2]>,
+    /// The same of σc, MPa.
+    pub sigma_c_along_path_MPa: Option<[f64; 2]>,
+    /// Mean and SD of Gc over the areas that are known one by one and stand at no bound, N/mm; null where none is.
     pub gc_N_per_mm: Option<[f64; 2]>,
-    /// Mean and SD of σc over the areas, MPa.
+    /// The same of σc, MPa.
     pub sigma_c_MPa: Option<[f64; 2]>,
     /// The same of the published rows, where there are some: Gc, N/mm.
     pub published_gc_N_per_mm: Option<[f64; 2]>,
@@ -27,7 +31,7 @@ pub struct BatchRow {
     pub not_identifiable: usize,
     /// Values that stand at a bound.
     pub at_bound: usize,
-    /// Values that are in no mean, and why.
+    /// Values that are in no mean along the path, and why.
     pub left_out: Vec<LeftOut>,
     /// Fit.
     pub reduced_chi2_total: f64,
@@ -67,12 +71,22 @@ fn batch_row(a: &IdentifyAnswer) -> BatchRow {
     let printed = |end: &str| -> Vec<f64> {
         strengths(a).filter(|p| p.path.ends_with(end)).filter_map(|p| p.published).collect()
     };
+    let mean = |name: &str| a.mean_along_path(name).map(|m| [m.value, m.std_error]);
+    let (gc, sigma_c) = (mean("gc"), mean("sigma_c"));
+    // What no area tells by itself may still be in the mean.
+    let averaged = |p: &ParameterAnswer| {
+        let known = [("].gc", gc), ("].sigma_c", sigma_c)];
+        !p.at_bound && known.iter().any(|(end, mean)| mean.is_some() && p.path.ends_with(end))
+    };
     let left_out: Vec<LeftOut> = strengths(a)
+        .filter(|p| !averaged(p))
         .filter_map(|p| Some(LeftOut { what: p.path.clone(), why: unknown(p)?.to_owned() }))
         .collect();
     BatchRow {
         specimen: a.specimen.clone(),
         areas: areas("].gc").max(areas("].sigma_c")),
+        gc_along_path_N_per_mm: gc,
+        sigma_c_along_path_MPa: sigma_c,
         gc_N_per_mm: mean_sd(&known(a, "].gc")),
         sigma_c_MPa: mean_sd(&known(a, "].sigma_c")),
         published_gc_N_per_mm: mean_sd(&printed("].gc")),
@@ -138,7 +152,7 @@ pub fn batch_mean(rows: &[BatchRow]) -> BatchMean {
         mean_sd(&counted.iter().filter_map(|r| Some(of(r)?[0])).collect::<Vec<f64>>())
     };
     let left_out = rows.iter().filter_map(|r| {
-        let why = match (r.explained, r.gc_N_per_mm, r.sigma_c_MPa) {
+        let why = match (r.explained, r.gc_along_path_N_per_mm, r.sigma_c_along_path_MPa) {
             (false, ..) => {
                 format!("not explained by its model, reduced χ² {}", significant(r.reduced_chi2_total, 3))
             }
@@ -151,8 +165,8 @@ pub fn batch_mean(rows: &[BatchRow]) -> BatchMean {
     });
     BatchMean {
         specimens: counted.len(),
-        gc_N_per_mm: mean(&|r| r.gc_N_per_mm),
-        sigma_c_MPa: mean(&|r| r.sigma_c_MPa),
+        gc_N_per_mm: mean(&|r| r.gc_along_path_N_per_mm),
+        sigma_c_MPa: mean(&|r| r.sigma_c_along_path_MPa),
         left_out: left_out.collect(),
     }
 }
@@ -181,7 +195,7 @@ pub(crate) fn mean_in_words(rows: &[BatchRow]) -> (String, Vec<String>) {
     (mean, all)
 }
 
-/// Mean ± SD of Gc and σc per specimen, as the paper's Table 2, and over them.
+/// Means of Gc and σc along the path per specimen, beside those of the paper's Table 2, and over them.
 pub fn batch(rows: &[BatchRow], style: Style) -> String {
     let published =
         rows.iter().any(|r| r.published_gc_N_per_mm.is_some() || r.published_sigma_c_MPa.is_some());
@@ -194,8 +208,8 @@ pub fn batch(rows: &[BatchRow], style: Style) -> String {
         let mut line = vec![
             r.specimen.clone(),
             r.areas.to_string(),
-            pair(r.gc_N_per_mm),
-            pair(r.sigma_c_MPa),
+            pair(r.gc_along_path_N_per_mm),
+            pair(r.sigma_c_along_path_MPa),
             r.left_out.len().to_string(),
             significant(r.reduced_chi2_total, 3),
             if r.explained { "yes" } else { "no" }.into(),
@@ -208,7 +222,11 @@ pub fn batch(rows: &[BatchRow], style: Style) -> String {
     });
     let mut out = format!(
         "{}\n{}\n",
-        style.bold("Mean ± SD over the areas"),
+        style.bold(if published {
+            "Mean along the tear path ± its standard error (published: mean ± SD of the areas)"
+        } else {
+            "Mean along the tear path ± its standard error"
+        }),
         table(style, &header, &[0], lines.collect())
     );
     let (mean, left_out) = mean_in_words(rows);
