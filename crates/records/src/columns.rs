@@ -1,11 +1,12 @@
 //! Which column is what: by its name, its unit, the dialect's preference; asked where several would do.
 
+use crate::axes::fits_on_axis;
 use crate::choices::Choices;
 use crate::dialects::Hints;
 use crate::error::{Fault, Question, visible};
 use crate::layout::Block;
 use crate::units::{self, Measure, Unit};
-use crate::words::{Role, fits, fits_on_axis, fold};
+use crate::words::{Role, fits, fold};
 use serde::Serialize;
 
 /// A column that is used.

@@ -21,6 +21,7 @@
 //! # Ok::<(), ImportError>(())
 //! ```
 
+mod axes;
 mod bytes;
 pub mod choices;
 mod columns;

@@ -2,10 +2,8 @@
 
 use super::{IdentifyAnswer, ParameterAnswer};
 use indexmap::IndexMap;
+use inverse::Identifiability;
 use serde::{Deserialize, Serialize};
-
-/// Relative standard error up to which a mean says something: as of a parameter that is called identifiable.
-const KNOWN: f64 = 0.5;
 
 /// The mean of one strength over the areas of the tear path.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -14,7 +12,7 @@ pub struct PathMean {
     pub unit: String,
     /// The mean.
     pub value: f64,
-    /// Its standard error, with the correlations of the areas.
+    /// Its standard error √(Σᵢⱼ ρᵢⱼ sᵢ sⱼ)/n, with the correlations ρ of the areas' own standard errors s.
     pub std_error: f64,
     /// 95 % interval.
     pub interval_95: [f64; 2],
@@ -57,7 +55,8 @@ impl IdentifyAnswer {
         let n = inside.len() as f64;
         let value = inside.iter().map(|&i| self.parameters[i].value).sum::<f64>() / n;
         let std_error = self.error_of_mean(&inside);
-        if std_error > KNOWN * value.abs() {
+        // As of a parameter that is called identifiable.
+        if std_error > Identifiability::default().max_sd * value.abs() {
             return None;
         }
         let interval_95 = match inside.as_slice() {

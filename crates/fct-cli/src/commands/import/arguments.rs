@@ -15,7 +15,7 @@ pub struct Arguments {
     /// A specimen or config whose `[geometry]` is taken; default: what the header of a file says
     #[arg(long, value_name = "FILE")]
     pub geometry: Option<PathBuf>,
-    /// What was tested: one for all files, or one per file (uniaxial, tearing, t_peel, peel_180, biaxial, pure_shear)
+    /// What was tested, by the experiment's name (uniaxial, tearing, biaxial, …): one for all files, or one per file
     #[arg(long, value_name = "KIND", value_delimiter = ',')]
     pub kind: Vec<String>,
     /// Column of the time: number from 1, or name
