@@ -3,8 +3,10 @@
 
 use super::{FeLadder, Fitted};
 use crate::columns::{case_with, transfer};
+use crate::correction::Correction;
 use crate::identify::AnalysisError;
 use crate::problem::FeProblem;
+use input::Case;
 use inverse::{Noise, Problem as _, Whitener};
 use model::Model;
 use std::sync::Arc;
@@ -137,6 +139,41 @@ impl FeLadder<'_> {
             _ => first,
         }
     }
+
+    /// Once more from where `fct identify` begins with this model in the file, its effects as the first fit has them: the
+    /// base's optimum, from which that was fitted, may be bent to where no step leads out. The better of the two.
+    pub(super) fn restart_as_identified(&self, first: Fitted) -> Fitted {
+        (self.progress)(&format!(
+            "{}: once more from the record",
+            super::named(&self.parts_of(&first.model))
+        ));
+        match self.fitted_from_the_record(&first) {
+            Ok(f) if f.fit.f < first.fit.f => f,
+            _ => first,
+        }
+    }
+
+    fn fitted_from_the_record(&self, first: &Fitted) -> Result<Fitted, AnalysisError> {
+        let case = Arc::new(with_effects_at(first));
+        let model = Model::new(case.clone(), self.catalogue, self.how)?;
+        let theta = self.start_by_record(&case, &model)?;
+        let correction = Correction::constant(first.correction.shift.clone());
+        self.fit_model(model, theta, correction, Vec::new())
+    }
+}
+
+/// A fit's case, its effects at the fitted values.
+fn with_effects_at(f: &Fitted) -> Case {
+    let mut case = (*f.model.case).clone();
+    for effect in &mut case.effects {
+        for spec in &effect.specs {
+            let path = format!("effects.{}.{}", effect.name, spec.name);
+            if let (Some(i), Some(v)) = (f.model.find(&path), effect.parameters.get_mut(spec.name.as_ref())) {
+                v.value = Some(f.theta[i]);
+            }
+        }
+    }
+    case
 }
 
 /// Gives the parameters that a fit left at a bound their own start; whether there are any.

@@ -121,6 +121,7 @@ impl<'a> FeLadder<'a> {
     pub(super) fn weigh_catalogue(&mut self) -> Result<Probabilities, AnalysisError> {
         self.columns_at(&[])?;
         let mut first = true;
+        let mut twice = BTreeSet::new();
         loop {
             let (found, posterior, models) = self.posterior()?;
             if self.interrupted() {
@@ -134,10 +135,20 @@ impl<'a> FeLadder<'a> {
                 self.begin_again(&singles)?;
                 continue;
             }
+            let noise = found.left.explained_to == evidence::ExplainedTo::Noise;
             let leads: Vec<Vec<String>> =
                 leading(&posterior).into_iter().filter(|s| self.fitted_models.contains_key(s)).collect();
             let unsettled: Vec<Vec<String>> =
                 leads.iter().filter(|s| !self.fitted_models[*s].settled).cloned().collect();
+            let once: Vec<Vec<String>> = (unsettled.iter())
+                .filter(|s| !noise && !s.is_empty() && !twice.contains(*s))
+                .cloned()
+                .collect();
+            if !once.is_empty() {
+                self.begin_as_identified(&once);
+                twice.extend(once);
+                continue;
+            }
             if !unsettled.is_empty() {
                 self.settle_sets(&unsettled)?;
                 continue;
@@ -150,7 +161,6 @@ impl<'a> FeLadder<'a> {
             if !unscreened.is_empty() {
                 continue;
             }
-            let noise = found.left.explained_to == evidence::ExplainedTo::Noise;
             let beside = if noise { Vec::new() } else { self.with_other_laws(&leads) };
             let open: Vec<Vec<String>> = (evidence::to_fit(&posterior, &models).into_iter())
                 .chain(beside)
@@ -183,6 +193,17 @@ impl<'a> FeLadder<'a> {
             .collect();
         self.fitted_models.extend(again);
         Ok(())
+    }
+
+    /// Sets once more from where `fct identify` of the same model would begin; the better of the two fits is kept.
+    fn begin_as_identified(&mut self, sets: &[Vec<String>]) {
+        self.cancelled.phase(Phase::Candidates);
+        let begun: Vec<(Vec<String>, Fitted)> =
+            sets.iter().filter_map(|s| self.fitted_models.remove_entry(s)).collect();
+        let this = &*self;
+        let again: Vec<(Vec<String>, Fitted)> =
+            begun.into_par_iter().map(|(set, f)| (set, this.restart_as_identified(f))).collect();
+        self.fitted_models.extend(again);
     }
 
     /// The effects that are fitted first: all of them; where the base leaves noise alone, so that no effect can gain much, those

@@ -89,11 +89,9 @@ pub fn fitted_case(case: &Case, row: &LadderRow, parent: Option<&Path>) -> Case 
         fitted_model.interface.clone_from(interface);
     }
     analysis::start_at(&mut fitted_model, row.values.iter().map(|(p, v)| (p.as_str(), *v)));
-    // Its run.toml gives these values, and what is expected stands around them.
+    // Its run.toml gives these values: starts, that bound nothing.
     fitted_model.identify.priors.around.clear();
     fitted_model.identify.mode = Mode::Joint;
-    // As the search did it: refitting without them would be another question.
-    fitted_model.identify.priors.literature.get_or_insert(true);
     fitted_model.parent = parent.map(|p| p.display().to_string());
     fitted_model
 }
