@@ -276,11 +276,13 @@ class Ladder:
 
     @property
     def frame(self) -> pd.DataFrame:
-        """effects, parameters, rms_N, reduced_chi2, reduced_chi2_total, held_out_rms_N, bic."""
+        """effects, bulk_law, interface_law, parameters, rms_N, reduced_chi2, reduced_chi2_total, held_out_rms_N, bic."""
         keys = ("rms_N", "reduced_chi2", "reduced_chi2_total", "held_out_rms_N", "bic")
         rows = [
             {
                 "effects": " + ".join(f.effects) or "none",
+                "bulk_law": f.answer["laws"]["bulk"],
+                "interface_law": f.answer["laws"].get("interface"),
                 "parameters": len(f.answer["parameters"]),
                 **{k: math.nan if f.answer[k] is None else f.answer[k] for k in keys},
             }

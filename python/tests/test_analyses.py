@@ -78,6 +78,8 @@ def test_an_effect_is_added_and_the_ladder_counts_it(folder, fit):
     more = problem.identify()
     frame = fct.ladder(more, fit).frame
     assert list(frame["effects"]) == ["none", "drift"]
+    assert list(frame["bulk_law"]) == ["hgo", "hgo"]
+    assert list(frame["interface_law"]) == ["exponential", "exponential"]
     # The records do not drift: the effect changes next to nothing.
     assert abs(frame["rms_N"].iloc[1] / frame["rms_N"].iloc[0] - 1) < 0.05
     assert abs(more.params.loc["effects.drift.c", "value"]) < 1e-4

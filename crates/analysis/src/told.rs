@@ -33,7 +33,8 @@ fn verdict(d: &Discovery, p: &PosteriorAnswer, laws: &[String]) -> String {
     let joined = |names: &[String], word: &str| joined(&names.iter().map(called).collect::<Vec<_>>(), word);
     let rms = |k: usize| d.ladder.get(k).map_or(0.0, |r| r.rms);
     let (first, last) = (rms(0), rms(d.ladder.len().saturating_sub(1)));
-    let fall = format!("the misfit falls from {} to {} N", short(first), short(last));
+    let decimals = digits(first).max(digits(last)).max(digits_of_difference(first, last));
+    let fall = format!("the misfit falls from {first:.decimals$} to {last:.decimals$} N");
     let names: Vec<String> = d.groups.iter().map(|g| joined(g, "or")).collect();
     let text = match d.verdict {
         Verdict::NothingMissing => {
@@ -107,12 +108,16 @@ fn joined(names: &[String], word: &str) -> String {
     }
 }
 
-fn short(x: f64) -> String {
-    if x == 0.0 { "0".into() } else { format!("{x:.*}", digits(x)) }
+/// Decimals that show how two numbers differ; none where they do not.
+fn digits_of_difference(a: f64, b: f64) -> usize {
+    if a == b { 0 } else { digits(a - b).saturating_sub(1) }
 }
 
-/// Decimals of two significant digits.
+/// Decimals of two significant digits; none of zero.
 fn digits(x: f64) -> usize {
+    if x == 0.0 {
+        return 0;
+    }
     let place = 1.0 - x.abs().log10().floor();
     place.clamp(0.0, 9.0) as usize
 }

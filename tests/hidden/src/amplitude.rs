@@ -87,6 +87,7 @@ fn rig(effect: &str, a: f64, sign: f64, s: &Sizes, random: &mut Random) -> Optio
         "drift" => vec![("c", sign * 0.04 * a * s.uniaxial.1 / s.duration.0), ("b", 0.0)],
         "gain" => vec![("g", sign * 0.04 * a)],
         "lag" => vec![("tau", 0.5 * a)],
+        "backlash" => vec![("b", 0.01 * a * s.tearing.0)],
         _ => return None,
     })
 }

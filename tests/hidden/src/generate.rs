@@ -184,19 +184,16 @@ impl Attempt<'_> {
         base: &Computed,
     ) -> Result<Option<Computed>, GenerateError> {
         let mut case = fine.clone();
-        let (mut falsify, mut moved) = (None, false);
+        let mut falsify = None;
         let kept = secret.parts.iter().enumerate().filter(|(i, _)| Some(*i) != left_out);
         for (_, (name, _, p)) in kept {
             match secret.outside {
                 Some(o) if o.is_law() => add_effect(&mut case, self.catalogue, "outside_suture", p)?,
-                Some(o) => {
-                    moved = o.moves(p, &mut case);
-                    falsify = Some((o, p));
-                }
+                Some(o) => falsify = Some((o, p)),
                 None => add_effect(&mut case, self.catalogue, name, p)?,
             }
         }
-        let computed = if case.effects.is_empty() && !moved {
+        let computed = if case.effects.is_empty() {
             Some(base.clone())
         } else {
             compute(&case, self.catalogue, self.fineness.steps)?

@@ -119,15 +119,10 @@ impl Trial<'_> {
 
     /// Forces of the truth, tests one after the other.
     fn forces(&self) -> Result<Vec<Vec<f64>>, GenerateError> {
-        let mut case = self.without(None)?;
+        let case = self.without(None)?;
         let slots = slots(&case, Channel::Force);
         let options = run_options(&case);
         let read = case.tests.clone();
-        for (name, values) in &self.truth.effect_parameters {
-            if let Some(o) = outside(name) {
-                o.moves(&o.in_order(values), &mut case);
-            }
-        }
         let model = Model::new(Arc::new(case), &self.catalogue, Discretisation::default())?;
         let problem = FeProblem::new(&model, model.theta(), Vec::new(), &slots, options, &never);
         let all = problem.predict(&[], false)?.values;

@@ -31,6 +31,9 @@ struct Args {
     /// Where the cases live.
     #[arg(long, default_value = "runs/hidden")]
     dir: PathBuf,
+    /// Seed of the first case; the others follow it.
+    #[arg(long, default_value_t = 31_000)]
+    seed: u64,
     /// Every how manieth case of the suite.
     #[arg(long, default_value_t = 1)]
     every: usize,
@@ -53,7 +56,7 @@ struct Args {
 
 fn main() -> ExitCode {
     let args = Args::parse();
-    let specs: Vec<Spec> = suite(&effects::catalogue())
+    let specs: Vec<Spec> = suite(&effects::catalogue(), args.seed)
         .into_iter()
         .step_by(args.every.max(1))
         .filter(|s| args.only.is_empty() || args.only.contains(&s.name))

@@ -3,6 +3,7 @@
 use crate::files::Truth;
 use crate::imitate::{self, Imitated};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// One effect of the screen at the base model.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -47,6 +48,22 @@ pub struct Step {
     pub explained: bool,
 }
 
+/// What an answer states.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Stated {
+    /// Probability that each effect acts.
+    pub effects: BTreeMap<String, f64>,
+    /// That nothing is missing.
+    pub nothing: f64,
+    /// That something is that the catalogue does not hold.
+    pub something_else: f64,
+    /// Rest of the leading model, share of the peak.
+    pub rest: f64,
+    /// Mean Gc of the base model along the path with its 95 % interval, which allows for what that model misses, N/mm; `None`:
+    /// these records do not fix it.
+    pub base_gc: Option<[f64; 3]>,
+}
+
 /// How a case ended.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -80,6 +97,8 @@ pub struct Outcome {
     pub tried: Vec<Step>,
     /// Sets that could not be fitted.
     pub failed: Vec<(Vec<String>, String)>,
+    /// Its probabilities; `None` without an answer.
+    pub stated: Option<Stated>,
     /// Forward runs.
     pub forward_runs: usize,
     /// Wall time, s.

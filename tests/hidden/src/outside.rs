@@ -4,7 +4,7 @@
 use crate::amplitude::{Parameters, Sizes};
 use crate::draw::{about_one, between};
 use effects::decorator::{Call, Decoration, decorate};
-use input::{Case, Record, TestKind};
+use input::{Record, TestKind};
 use inverse::Random;
 use model::{Action, Card, Effect, Options, Piece, Scales, Screening, Sided, Site};
 use params::{ParamSpec, Quantity};
@@ -25,8 +25,6 @@ pub enum Outside {
     LoadDelay,
     /// A linear suture near the mouth of the cut, which never lets go.
     Suture,
-    /// Play in the spindle behind the displacement's sensor: after each turn the strip rests until the play is taken up.
-    Backlash,
     /// The load cell's zero jumps once (a cable is touched): F + f from then on.
     ZeroJump,
     /// A layer of the strip gives way at some opening and carries nothing from then on: F (1 − a).
@@ -35,13 +33,12 @@ pub enum Outside {
 
 impl Outside {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 7] = [
         Self::WanderingGain,
         Self::GuideFriction,
         Self::StickSlip,
         Self::LoadDelay,
         Self::Suture,
-        Self::Backlash,
         Self::ZeroJump,
         Self::LayerFailure,
     ];
@@ -57,7 +54,6 @@ impl Outside {
             Self::StickSlip => "outside:stick_slip",
             Self::LoadDelay => "outside:load_delay",
             Self::Suture => "outside:suture",
-            Self::Backlash => "outside:backlash",
             Self::ZeroJump => "outside:zero_jump",
             Self::LayerFailure => "outside:layer_failure",
         }
@@ -89,7 +85,6 @@ impl Outside {
             Self::Suture => {
                 vec![("k", 0.1 * a * s.tissue.mean_sigma_c() / (2.0 * s.tissue.delta_c())), ("reach", 0.12)]
             }
-            Self::Backlash => vec![("play", 0.01 * a * s.tearing.0)],
             Self::ZeroJump => {
                 vec![("f", 0.03 * a * s.tearing.1), ("from", between(random, 0.3, 0.7) * s.duration.1)]
             }
@@ -105,7 +100,6 @@ impl Outside {
             Self::StickSlip => &["a", "period"],
             Self::LoadDelay => &["tau", "f_max"],
             Self::Suture => &["k", "reach"],
-            Self::Backlash => &["play"],
             Self::ZeroJump => &["f", "from"],
             Self::LayerFailure => &["a", "at"],
         };
@@ -134,27 +128,6 @@ impl Outside {
             _ => force.to_vec(),
         }
     }
-
-    /// Puts the motion that the strips feel in place of what the sensor reads; whether they differ.
-    pub fn moves(self, p: &Parameters, case: &mut Case) -> bool {
-        let backlash = self == Self::Backlash;
-        for r in case.tests.iter_mut().filter_map(|t| t.record.as_mut()).filter(|_| backlash) {
-            r.displacement = play(&r.displacement, p[0].1);
-        }
-        backlash
-    }
-}
-
-/// Play that is taken up in the sense of loading at the start: the strip moves as little as keeps its displacement
-/// between the sensor's and `play` more.
-fn play(u: &[f64], play: f64) -> Vec<f64> {
-    let mut felt = u.first().copied().unwrap_or(0.0);
-    u.iter()
-        .map(|&u| {
-            felt = felt.clamp(u, u + play);
-            felt
-        })
-        .collect()
 }
 
 /// From the first row on that opens further than `at`, a share of the force is gone.
@@ -299,15 +272,7 @@ impl Decoration<3> for Thread {
 
 #[cfg(test)]
 mod tests {
-    use super::{gives_way, play};
-
-    #[test]
-    fn play_is_taken_up_after_each_turn() {
-        assert_eq!(
-            play(&[0.0, 1.0, 2.0, 1.5, 0.5, 0.0, 0.5, 1.5], 1.0),
-            [0.0, 1.0, 2.0, 2.0, 1.5, 1.0, 1.0, 1.5]
-        );
-    }
+    use super::gives_way;
 
     #[test]
     fn what_gave_way_stays_gone() {

@@ -3,9 +3,10 @@
 use crate::GenerateError;
 use crate::files::{self, Truth};
 use crate::imitate;
-use crate::outcome::{End, Outcome, ScreenRow, Step};
-use analysis::FeLadder;
+use crate::outcome::{End, Outcome, ScreenRow, Stated, Step};
+use analysis::{FeLadder, Probable};
 use diagnose::{Discovery, FittedModel, Policy, Verdict};
+use input::Case;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
@@ -103,8 +104,9 @@ fn search(
     let case = input::read_case(&folder.join("config.toml"), &catalogue).map_err(|e| e.to_string())?;
     let policy = Policy::default();
     let late = || Instant::now() >= deadline;
+    let case = Arc::new(case);
     let mut ladder = FeLadder::weighing(
-        Arc::new(case),
+        case.clone(),
         analysis::LadderSettings {
             catalogue: &catalogue,
             policy: policy.clone(),
@@ -115,7 +117,36 @@ fn search(
     )
     .map_err(|e| e.to_string())?;
     let found = ladder.weighed().map_err(|e| e.to_string())?;
-    Ok(answer(truth.clone(), &ladder, &found.discovery, &policy))
+    let stated = Stated { base_gc: base_gc(&case, &ladder, &late), ..stated(&found.probable) };
+    Ok(Outcome { stated: Some(stated), ..answer(truth.clone(), &ladder, &found.discovery, &policy) })
+}
+
+fn stated(p: &Probable) -> Stated {
+    Stated {
+        effects: p.posterior.effects.clone(),
+        nothing: p.posterior.nothing,
+        something_else: p.posterior.something_else,
+        rest: p.left.rest.all.share_of_peak,
+        base_gc: None,
+    }
+}
+
+/// The base model's mean Gc with its interval, as `fct identify` of the same file states them.
+fn base_gc(case: &Case, ladder: &FeLadder, late: &(dyn Fn() -> bool + Sync)) -> Option<[f64; 3]> {
+    let base = ladder.shown(&[])?;
+    let mut fitted = case.clone();
+    let values = base.model.parameters.iter().zip(&base.theta).map(|(p, v)| (p.path.as_str(), *v));
+    analysis::start_at(&mut fitted, values);
+    fitted.identify.priors.around.clear();
+    fitted.identify.mode = input::Mode::Joint;
+    let evaluator = report::answer::Evaluator {
+        published: None,
+        catalogue: ladder.catalogue(),
+        journal: &analysis::NoJournal,
+    };
+    let done = evaluator.evaluate(&fitted, "base", &late).ok()?;
+    let mean = done.answer.path_means.get("gc")?;
+    Some([mean.value, mean.interval_95[0], mean.interval_95[1]])
 }
 
 fn answer(truth: Truth, ladder: &FeLadder, d: &Discovery, policy: &Policy) -> Outcome {
@@ -190,6 +221,7 @@ fn empty(truth: Truth, end: End) -> Outcome {
         ladder: Vec::new(),
         tried: Vec::new(),
         failed: Vec::new(),
+        stated: None,
         forward_runs: 0,
         seconds: 0.0,
         imitated: None,

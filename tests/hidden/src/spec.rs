@@ -73,8 +73,8 @@ pub fn hideable(catalogue: &Catalogue) -> Vec<String> {
     catalogue.iter().map(|e| e.card()).filter(|c| !c.negative_control).map(|c| c.name.to_owned()).collect()
 }
 
-/// The whole suite, always the same: of the product's catalogue, not the generator's.
-pub fn suite(catalogue: &Catalogue) -> Vec<Spec> {
+/// The whole suite of one first seed, always the same: of the product's catalogue, not the generator's.
+pub fn suite(catalogue: &Catalogue, first_seed: u64) -> Vec<Spec> {
     let both = [Protocol::Paper, Protocol::Rich];
     let mut list: Vec<(Protocol, Hidden)> = Vec::new();
     for effect in hideable(catalogue) {
@@ -105,7 +105,7 @@ pub fn suite(catalogue: &Catalogue) -> Vec<Spec> {
         .enumerate()
         .map(|(i, (protocol, hidden))| Spec {
             name: format!("case-{:03}", i + 1),
-            seed: 7_000 + i as u64,
+            seed: first_seed + i as u64,
             protocol,
             hidden,
             correlated: (i / 2) % 2 == 1,

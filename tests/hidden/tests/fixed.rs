@@ -94,7 +94,7 @@ fn cases_follow_from_their_seed() {
 #[test]
 fn the_suite_is_complete() {
     let catalogue = effects::catalogue();
-    let all = hidden_suite::spec::suite(&catalogue);
+    let all = hidden_suite::spec::suite(&catalogue, 7_000);
     let effects = hidden_suite::spec::hideable(&catalogue).len();
     assert_eq!(all.len(), effects * 6 + 20 + 15 + 40 + 15 + 24);
     for effect in hidden_suite::spec::hideable(&catalogue) {

@@ -7,6 +7,7 @@ mod bad_input;
 mod beam;
 #[path = "common/bench.rs"]
 mod bench;
+mod bent_base;
 mod biaxial_protocols;
 mod browser;
 mod campaign;

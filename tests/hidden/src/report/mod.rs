@@ -3,6 +3,7 @@
 mod criteria;
 mod matrix;
 mod misses;
+mod scores;
 mod tables;
 
 use crate::outcome::{End, Outcome};
@@ -20,6 +21,7 @@ pub fn page(outcomes: &[Outcome], planned: usize) -> String {
     text.push_str(&state(outcomes, planned));
     text.push_str(ABOUT);
     text.push_str(&criteria::section(outcomes));
+    text.push_str(&scores::section(outcomes));
     text.push_str(&matrix::section(outcomes));
     text.push_str(&tables::section(outcomes));
     text.push_str(&misses::section(outcomes));
