@@ -4,6 +4,7 @@
 mod compare;
 mod fitted_model;
 mod identify;
+mod parts;
 mod path_mean;
 mod remarks;
 pub use remarks::{held_at_limits, weighed};
@@ -11,10 +12,9 @@ mod simulate;
 
 pub use compare::CompareAnswer;
 pub use fitted_model::{Evaluated, Evaluator, fitted_case};
+pub use identify::IdentifyAnswer;
 pub(crate) use identify::histories;
-pub use identify::{
-    IdentifyAnswer, ParameterAnswer, PublishedSummary, StageEnd, StageHistory, TestFit, Trial,
-};
+pub use parts::{ParameterAnswer, PublishedSummary, StageEnd, StageHistory, TestFit, Trial};
 pub use path_mean::PathMean;
 pub use simulate::{EnergyAnswer, JumpAnswer, SimulateAnswer, SolverAnswer, TestCurve};
 

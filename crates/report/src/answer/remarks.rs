@@ -1,7 +1,7 @@
 //! What a reader should know about the numbers: meshes too coarse, intervals that are mostly their error, steps too large.
 
 use super::PathMean;
-use super::identify::TestFit;
+use super::TestFit;
 use crate::terminal::significant;
 use analysis::SimulatedTest;
 use indexmap::IndexMap;
