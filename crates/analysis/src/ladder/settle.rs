@@ -108,7 +108,8 @@ impl FeLadder<'_> {
         let name = named(&self.parts_of(&model));
         let say = self.progress;
         let mut told = |i: &Iterate| {
-            say(&format!("{name}, file's mesh: iteration {}, χ² {:?}", i.iteration, i.f));
+            let chi2 = i.f.map_or("no answer".into(), |f| format!("χ² {f:.1}"));
+            say(&format!("{name}, file's mesh: iteration {}, {chi2}", i.iteration));
             ControlFlow::Continue(())
         };
         let mut quiet = |_: &Iterate| ControlFlow::Continue(());
