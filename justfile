@@ -165,7 +165,7 @@ design-power:
 
 # Records of 20,000 and 200,000 rows with jitter against 400 clean ones: times and values.
 long-records:
-    cargo test --workspace --test all sampling:: -- --ignored --nocapture
+    cargo test --workspace --test all sampling:: -- --ignored --nocapture --test-threads 1
 
 # A study as a Slurm array on one node, by Debian's package (installed if need be; root), against the serial run. Ten minutes.
 slurm:

@@ -111,6 +111,8 @@ impl FeLadder<'_> {
             let progress = self.progress;
             let names = super::named(&self.parts_of(&model));
             let far = LITTLE * self.fitted_models.get(&Vec::new()).map_or(f64::INFINITY, |f| f.fit.f);
+            // Beside a model that leaves noise alone, and only there, half a difference of χ² is one of evidence.
+            let near = self.leader.map_or(f64::INFINITY, |f| f + 2.0 * evidence::HOPELESS);
             let mut last = f64::INFINITY;
             let mut watch = |i: &Iterate| {
                 if let Some(f) = i.f {
@@ -123,8 +125,10 @@ impl FeLadder<'_> {
                 // A trial that was rejected says nothing about the fit.
                 let taken = i.f.filter(|_| i.accepted);
                 let idle = taken.is_some_and(|f| f > far && last - f < COARSE_TOLERANCE * f);
+                // Twice the fall of the last step is what a fit may hope for.
+                let behind = taken.is_some_and(|f| f - 2.0 * (last - f) > near);
                 last = taken.unwrap_or(last);
-                if idle { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                if idle || behind { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
             let asked = Asked {
                 problem: &problem,
@@ -132,7 +136,7 @@ impl FeLadder<'_> {
                 data: &self.measured.data,
                 free: &list,
                 options: &options,
-                how: &format!("far {far}"),
+                how: &format!("far {far}, near {near}"),
                 cancelled: self.cancelled,
             };
             let done = remembered(self.journal, &asked, &mut watch, &mut |observer| {

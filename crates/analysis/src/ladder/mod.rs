@@ -4,7 +4,9 @@
 //! matter are fitted on the file's mesh itself.
 
 mod adds;
+mod base;
 mod begin;
+mod catalogue;
 mod decided;
 mod fit;
 mod fitted_model;
@@ -12,7 +14,6 @@ mod forms;
 pub(crate) mod laws;
 pub(crate) mod next_test;
 mod settle;
-mod weighing;
 
 pub use adds::Adds;
 pub use decided::Weighed;
@@ -81,6 +82,8 @@ pub struct FeLadder<'a> {
     identified: Option<Fitted>,
     /// Values that the base's fit began with.
     first: Vec<f64>,
+    /// The objective of a model that leaves noise alone: fits that cannot come near it are dropped.
+    leader: Option<f64>,
     runs: AtomicUsize,
     policy: Policy,
     /// States on the file's mesh at the base's optimum: first guesses there.
@@ -113,6 +116,7 @@ impl<'a> FeLadder<'a> {
             screens: BTreeMap::new(),
             identified: None,
             first: Vec::new(),
+            leader: None,
             runs: AtomicUsize::new(0),
             policy,
             fine_states: None,

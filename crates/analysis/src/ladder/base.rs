@@ -1,0 +1,98 @@
+//! The base of a search: the least-squares optimum on the file's mesh.
+
+use super::settle::{Begun, FineStates, ROUNDS};
+use super::{FeLadder, Fitted, LadderSettings};
+use crate::columns::transfer;
+use crate::cost::Phase;
+use crate::identify::{AnalysisError, Searched, searched};
+use input::Case;
+use model::{Discretisation, Model};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+/// Share of the difference of the two meshes that is left on the file's: of first order at the corners of clamped ends, on a
+/// mesh three times as fine.
+const LEFT_OF_MESH: f64 = 0.5;
+
+impl<'a> FeLadder<'a> {
+    /// The base model at its optimum on the file's mesh; nothing else is fitted.
+    ///
+    /// # Errors
+    /// [`AnalysisError`].
+    pub fn weighing(case: Arc<Case>, how: LadderSettings<'a>) -> Result<Self, AnalysisError> {
+        let mut ladder = Self::unfitted(case, how)?;
+        if ladder.fine_case.mesh.divisions.is_none() {
+            ladder.how.coarsen = COARSER;
+        }
+        let newton = &mut ladder.options.stepping.newton;
+        newton.tolerance = newton.tolerance.max(crate::identify::SEARCH_TOLERANCE);
+        let model = Model::new(ladder.case.clone(), ladder.catalogue, ladder.how)?;
+        ladder.measured = ladder.measured.as_estimated(&model)?;
+        let found = ladder.identify()?;
+        let begun = ladder.begun_at(model, &found.theta)?;
+        ladder.cancelled.phase(Phase::Base);
+        let none = || {
+            AnalysisError::Case("the model gives no answer on the file's mesh at the values that fit".into())
+        };
+        let (mut base, mut states) = ladder.settle(begun, None, 0)?.ok_or_else(none)?;
+        if !found.joint && ladder.fine_case.identify.max_iterations > 0 {
+            let begun = ladder.begun_together(&base, &states, found.beside.as_deref())?;
+            let all = ladder.settle(begun, Some(&states), ROUNDS)?.ok_or_else(none)?;
+            ladder.identified = Some(std::mem::replace(&mut base, all.0));
+            states = all.1;
+        }
+        let error = LEFT_OF_MESH * &base.correction.shift;
+        ladder.measured = ladder.measured.clone().with_numerical_error(&error);
+        ladder.fine_states = Some(states);
+        ladder.fitted_models.insert(Vec::new(), base);
+        Ok(ladder)
+    }
+
+    /// The values that `fct identify` of the same file finds.
+    fn identify(&self) -> Result<Searched, AnalysisError> {
+        let say = self.progress;
+        let shown = |p: &crate::Progress| {
+            let objective = p.iterate.f.map_or("no answer".into(), |f| format!("objective {f:.4e}"));
+            let mesh = if p.coarse { " on the coarse mesh" } else { "" };
+            say(&format!(
+                "base model, {}{mesh}: iteration {}, {objective}",
+                p.stage.word(),
+                p.iterate.iteration
+            ));
+        };
+        let control = crate::Control { progress: &shown, cancelled: self.cancelled, journal: self.journal };
+        let found = searched(&self.fine_case, self.catalogue, &control)?;
+        self.runs.fetch_add(found.runs, Ordering::Relaxed);
+        Ok(found)
+    }
+
+    /// Where the base model's fit to all records begins: at the identification's answer, or where all its parameters together
+    /// ended beside that, if that misses the records less.
+    fn begun_together(
+        &self,
+        base: &Fitted,
+        states: &FineStates,
+        beside: Option<&[f64]>,
+    ) -> Result<Begun, AnalysisError> {
+        if let Some(theta) = beside {
+            let again = || Model::new(self.case.clone(), self.catalogue, self.how);
+            let there = self.settle(self.begun_at(again()?, theta)?, Some(states), 0)?;
+            if there.is_some_and(|(f, _)| f.fit.f < base.fit.f) {
+                return self.begun_at(again()?, theta);
+            }
+        }
+        self.begun_of(base)
+    }
+
+    /// A model of the search's mesh at values of the file's, as the start of a fit.
+    fn begun_at(&self, model: Model, theta: &[f64]) -> Result<Begun, AnalysisError> {
+        let fine = Model::new(self.fine_case.clone(), self.catalogue, Discretisation::default())?;
+        let theta = transfer(&fine, theta, &model);
+        let free = model.free();
+        let free_parameters = self.free_parameters(&model, &theta, &free);
+        Ok(Begun { model, theta, free, free_parameters, warm: Vec::new() })
+    }
+}
+
+/// How much coarser than the file's mesh the search's is.
+const COARSER: f64 = 3.0;

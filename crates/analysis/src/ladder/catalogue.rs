@@ -1,0 +1,271 @@
+//! The catalogue weighed: every effect really fitted, sets grown by their evidence, what matters fitted on the file's mesh.
+//!
+//! Fits of effects take the search's mesh, put right at the base to first order in its parameters ([`crate::Correction`]);
+//! sets with a share of the posterior are then fitted on the file's mesh themselves, their steps taken on the search's
+//! (`inverse::fit_mapped`).
+
+use super::decided::Probabilities;
+use super::fit::FAR;
+use super::laws::other_laws;
+use super::{FeLadder, Fitted, named};
+use crate::cost::Phase;
+use crate::identify::AnalysisError;
+use crate::probable::{Probable, probable_with_models};
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+
+/// Share of the posterior from which on a set is fitted on the file's mesh, and the catalogue's columns are computed there, to
+/// see what would be added to it.
+const LEADS: f64 = 0.05;
+/// Share of a set, in those of its part that has most, from which on it may say something else than its part does: it was
+/// fitted from there, with the file's mesh seen from there.
+const OVERTAKES: f64 = 1.0 / 3.0;
+/// Most effects of a set.
+const LARGEST: usize = 4;
+/// Sets that are fitted in one round.
+const AT_ONCE: usize = 8;
+impl FeLadder<'_> {
+    /// Fits every effect, and every set that matters: what leads is taken to the file's mesh before anything is added to it,
+    /// so that additions are judged at an optimum.
+    ///
+    /// # Errors
+    /// [`AnalysisError`].
+    pub(super) fn weigh_catalogue(&mut self) -> Result<Probabilities, AnalysisError> {
+        self.columns_at(&[])?;
+        let mut done = Done { singles: Singles::Likely, twice: BTreeSet::new() };
+        loop {
+            let (found, posterior, models) = self.posterior()?;
+            if self.interrupted() {
+                return Ok((found, posterior));
+            }
+            (self.progress)(found.sentence().trim_end_matches('.'));
+            let noise = found.left.explained_to == evidence::ExplainedTo::Noise;
+            let now = Now { noise, leads: leading(&posterior), found, posterior, models };
+            let moved = self.fit_likely(&mut done, &now)?
+                || self.begin_leaders_again(&mut done, &now)
+                || self.fit_others(&mut done, &now)?
+                || self.settle_leaders(&now)?
+                || self.screen_leaders(&now)?
+                || self.grow(&now)?;
+            if !moved {
+                return Ok((now.found, now.posterior));
+            }
+        }
+    }
+
+    /// The effects that lead by the base's columns.
+    fn fit_likely(&mut self, done: &mut Done, now: &Now) -> Result<bool, AnalysisError> {
+        if !matches!(done.singles, Singles::Likely) {
+            return Ok(false);
+        }
+        let mut sets = self.singles(&now.found, &now.models);
+        sets.extend(other_laws(&self.case, self.catalogue).into_iter().map(|law| vec![law]));
+        let likely: Vec<Vec<String>> = sets.iter().filter(|s| now.leads.contains(s)).cloned().collect();
+        done.singles = Singles::Others(sets);
+        self.fit_sets(&likely)?;
+        Ok(!likely.is_empty())
+    }
+
+    /// The leading sets once more from the record, where they leave more than noise.
+    fn begin_leaders_again(&mut self, done: &mut Done, now: &Now) -> bool {
+        let once: Vec<Vec<String>> = (self.unsettled(now).into_iter())
+            .filter(|s| !now.noise && !s.is_empty() && !done.twice.contains(s))
+            .collect();
+        self.begin_as_identified(&once);
+        done.twice.extend(once.iter().cloned());
+        !once.is_empty()
+    }
+
+    /// All other effects, held against a leader that leaves noise alone.
+    fn fit_others(&mut self, done: &mut Done, now: &Now) -> Result<bool, AnalysisError> {
+        let Singles::Others(sets) = std::mem::replace(&mut done.singles, Singles::Fitted) else {
+            return Ok(false);
+        };
+        self.leader = now.noise.then(|| self.least());
+        self.fit_sets(&sets)?;
+        self.leader = None;
+        self.begin_again(&sets)?;
+        Ok(true)
+    }
+
+    fn settle_leaders(&mut self, now: &Now) -> Result<bool, AnalysisError> {
+        let unsettled = self.unsettled(now);
+        self.settle_sets(&unsettled)?;
+        Ok(!unsettled.is_empty())
+    }
+
+    fn screen_leaders(&mut self, now: &Now) -> Result<bool, AnalysisError> {
+        let unscreened: Vec<Vec<String>> = (self.fitted(now).into_iter())
+            .filter(|s| s.len() < LARGEST && !self.screened.contains_key(s))
+            .collect();
+        for set in &unscreened {
+            self.columns_at(set)?;
+        }
+        Ok(!unscreened.is_empty())
+    }
+
+    /// The sets that the posterior asks for next.
+    fn grow(&mut self, now: &Now) -> Result<bool, AnalysisError> {
+        let beside = if now.noise { Vec::new() } else { self.with_other_laws(&self.fitted(now)) };
+        let known = |s: &Vec<String>| self.fitted_models.contains_key(s) || self.failed.contains_key(s);
+        let open: Vec<Vec<String>> = (evidence::to_fit(&now.posterior, &now.models).into_iter())
+            .chain(beside)
+            .filter(|s| s.len() <= LARGEST && !known(s))
+            .take(AT_ONCE)
+            .collect();
+        self.fit_sets(&open)?;
+        Ok(!open.is_empty())
+    }
+
+    /// The leading sets that are fitted.
+    fn fitted(&self, now: &Now) -> Vec<Vec<String>> {
+        now.leads.iter().filter(|s| self.fitted_models.contains_key(*s)).cloned().collect()
+    }
+
+    /// Those of them that are not on the file's mesh yet.
+    fn unsettled(&self, now: &Now) -> Vec<Vec<String>> {
+        self.fitted(now).into_iter().filter(|s| !self.fitted_models[s].settled).collect()
+    }
+
+    /// The least objective of what was fitted.
+    fn least(&self) -> f64 {
+        self.fitted_models.values().map(|f| f.fit.f).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Where no effect explains what the base leaves by far, all are fitted once more from the record's own start.
+    fn begin_again(&mut self, sets: &[Vec<String>]) -> Result<(), AnalysisError> {
+        let best =
+            self.fitted_models.values().map(|f| f.quality.reduced_chi2_total).fold(f64::INFINITY, f64::min);
+        if best <= FAR || self.interrupted() {
+            return Ok(());
+        }
+        self.first = self.unbent()?;
+        self.cancelled.phase(Phase::Candidates);
+        let begun: Vec<(Vec<String>, Fitted)> =
+            sets.iter().filter_map(|s| self.fitted_models.remove_entry(s)).collect();
+        let this = &*self;
+        let again: Vec<(Vec<String>, Fitted)> = (begun.into_par_iter())
+            .map(|(set, f)| (set.clone(), this.restart_from_the_record(&set, f)))
+            .collect();
+        self.fitted_models.extend(again);
+        Ok(())
+    }
+
+    /// Sets once more from where `fct identify` of the same model would begin; the better of the two fits is kept.
+    fn begin_as_identified(&mut self, sets: &[Vec<String>]) {
+        self.cancelled.phase(Phase::Candidates);
+        let begun: Vec<(Vec<String>, Fitted)> =
+            sets.iter().filter_map(|s| self.fitted_models.remove_entry(s)).collect();
+        let this = &*self;
+        let again: Vec<(Vec<String>, Fitted)> =
+            begun.into_par_iter().map(|(set, f)| (set, this.restart_as_identified(f))).collect();
+        self.fitted_models.extend(again);
+    }
+
+    /// The effects that are fitted first: all of them; where the base leaves noise alone, so that no effect can gain much, those
+    /// whose columns gain something, or that have none.
+    fn singles(&self, found: &Probable, models: &[evidence::Judged]) -> Vec<Vec<String>> {
+        let noise = found.left.explained_to == evidence::ExplainedTo::Noise;
+        let present: BTreeSet<&str> = self.case.effects.iter().map(|e| e.name.as_str()).collect();
+        let refused = |set: &Vec<String>| {
+            let mut judged = models.iter().filter(|m| &m.effects == set);
+            noise && judged.next().is_some_and(|m| m.gain <= 0.0)
+        };
+        self.candidates
+            .iter()
+            .filter(|c| !present.contains(c.effect.as_str()))
+            .filter(|c| self.catalogue.get(&c.effect).is_some_and(|e| !e.card().negative_control))
+            .map(|c| vec![c.effect.clone()])
+            .filter(|set| !refused(set))
+            .collect()
+    }
+
+    fn posterior(&self) -> Result<(Probable, evidence::Posterior, Vec<evidence::Judged>), AnalysisError> {
+        probable_with_models(self).map_err(|e| AnalysisError::Case(format!("no probabilities: {e}")))
+    }
+
+    /// The catalogue by its columns at the base model.
+    pub(super) fn weigh_columns(&mut self) -> Result<Probabilities, AnalysisError> {
+        self.columns_at(&[])?;
+        self.posterior().map(|(found, posterior, _)| (found, posterior))
+    }
+
+    /// The catalogue's columns at a fitted set.
+    fn columns_at(&mut self, set: &[String]) -> Result<(), AnalysisError> {
+        let Some(f) = self.fitted_models.get(set) else { return Ok(()) };
+        let fitted_model = self.fitted_model(set, f);
+        let screen = self.screen(&fitted_model)?;
+        self.screens.insert(set.to_vec(), screen);
+        Ok(())
+    }
+
+    /// Fits sets side by side. One that cannot be fitted is left out, and said to be.
+    ///
+    /// # Errors
+    /// [`AnalysisError`] when the user stops it.
+    pub fn fit_sets(&mut self, sets: &[Vec<String>]) -> Result<(), AnalysisError> {
+        self.cancelled.phase(Phase::Candidates);
+        let this = &*self;
+        let known = |s: &Vec<String>| this.fitted_models.contains_key(s) || this.failed.contains_key(s);
+        let open: Vec<&Vec<String>> = sets.iter().filter(|s| this.compatible(s) && !known(s)).collect();
+        let one = |set: &&Vec<String>| this.fit_with_restarts(set, set, &this.proposed(set));
+        let fitted: Vec<Result<Fitted, AnalysisError>> = open.par_iter().map(one).collect();
+        let names: Vec<Vec<String>> = open.into_iter().cloned().collect();
+        for (set, fitted) in names.into_iter().zip(fitted) {
+            match fitted {
+                Ok(f) => {
+                    (self.progress)(&format!("{}: χ² {:.1}", named(&set), f.fit.f));
+                    self.fitted_models.insert(set, f);
+                }
+                Err(e) if self.cancelled.stops() => return Err(e),
+                Err(e) => {
+                    (self.progress)(&format!("{}: no fit ({e})", named(&set)));
+                    self.failed.insert(set, e.to_string());
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What a search has behind it.
+struct Done {
+    singles: Singles,
+    /// Sets that began a second time, from the record.
+    twice: BTreeSet<Vec<String>>,
+}
+
+/// Which sets of one effect are to be fitted next.
+enum Singles {
+    /// Those that lead by the base's columns: where they leave noise alone, the others have something to be held against.
+    Likely,
+    /// The others of these.
+    Others(Vec<Vec<String>>),
+    /// None.
+    Fitted,
+}
+
+/// Where a search stands.
+struct Now {
+    found: Probable,
+    posterior: evidence::Posterior,
+    models: Vec<evidence::Judged>,
+    /// Whether noise explains what is left.
+    noise: bool,
+    /// The sets that an answer may hang on.
+    leads: Vec<Vec<String>>,
+}
+
+/// The sets that an answer may hang on: those with a share of the posterior, unless a part of theirs has most of it.
+fn leading(posterior: &evidence::Posterior) -> Vec<Vec<String>> {
+    let share = |s: &evidence::SetProbability| s.probability + s.with_something_else;
+    let part = |a: &evidence::SetProbability, of: &evidence::SetProbability| {
+        !a.effects.is_empty()
+            && a.effects.len() < of.effects.len()
+            && a.effects.iter().all(|e| of.effects.contains(e))
+    };
+    let sets = &posterior.sets;
+    let overtaken =
+        |s: &evidence::SetProbability| sets.iter().any(|p| part(p, s) && share(s) < OVERTAKES * share(p));
+    sets.iter().filter(|s| share(s) >= LEADS && !overtaken(s)).map(|s| s.effects.clone()).collect()
+}
