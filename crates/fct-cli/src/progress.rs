@@ -176,8 +176,9 @@ struct Told {
 }
 
 impl Told {
-    fn left(&self) -> String {
-        self.left.map_or_else(|| "time left not known yet".to_owned(), |s| format!("about {s:.0} s left"))
+    /// Nothing as long as it is not known.
+    fn left(&self) -> Option<String> {
+        self.left.map(|s| format!("about {s:.0} s left"))
     }
 
     fn objective(&self) -> String {
@@ -186,25 +187,25 @@ impl Told {
 
     /// For a line of a terminal: what somebody waits for comes first, and whole pieces go where there is no room.
     fn short(&self, room: usize) -> String {
-        let pieces = [
-            self.left(),
+        let others = [
             self.stage.clone(),
             format!("iteration {}", self.iteration),
             self.objective(),
             format!("{:.0} s so far", self.spent),
         ];
+        let pieces: Vec<String> = self.left().into_iter().chain(others).collect();
         fitted(&pieces, room)
     }
 
     /// For a file: everything.
     fn plain(&self, title: &str) -> String {
+        let left = self.left().map_or_else(String::new, |left| format!(", {left} of this stage"));
         format!(
-            "{title}: {}, iteration {}, {}, {:.0} s so far, {} of this stage",
+            "{title}: {}, iteration {}, {}, {:.0} s so far{left}",
             self.stage,
             self.iteration,
             self.objective(),
-            self.spent,
-            self.left()
+            self.spent
         )
     }
 }
@@ -280,6 +281,13 @@ mod tests {
             told().plain("FCT1"),
             "FCT1: interface (coarse mesh), iteration 12, objective 1.2340e-3, 75 s so far, about 42 s left of this stage"
         );
+    }
+
+    #[test]
+    fn what_is_not_known_is_not_said() {
+        let early = Told { left: None, ..told() };
+        assert_eq!(early.short(60), "interface (coarse mesh), iteration 12, objective 1.2340e-3");
+        assert!(early.plain("FCT1").ends_with("75 s so far"));
     }
 
     #[test]

@@ -90,6 +90,8 @@ mod tests {
         let fitted_model = fitted_case(&case, &row, None);
         assert_eq!(fitted_model.effects[0].options, forms[0].options);
         assert_eq!(fitted_model.effects[0].parameters["g2"].value, Some(0.2));
+        // What is believed of a tissue would pull its values away.
+        assert_eq!(fitted_model.identify.priors.literature, case.identify.priors.literature);
         Ok(())
     }
 }
