@@ -8,7 +8,7 @@ use crate::journal::{Journal, Recent};
 use crate::ladder::{FeLadder, LadderSettings};
 use crate::problem::Cancelled;
 use diagnose::{FittedModel, Policy, Verdict};
-use input::{Case, Mode, Value};
+use input::{Case, Value};
 use model::Catalogue;
 use serde::Serialize;
 use std::sync::Arc;
@@ -59,11 +59,8 @@ pub fn one_strength(
     let mut found = case.clone();
     found.effects.clone_from(&many.forms);
     crate::start_at(&mut found, many.values.iter().map(|(p, v)| (p.as_str(), *v)));
-    let mut simple = simplified(&found);
     // From the values of the many areas: a start of its own may end in another valley.
-    simple.identify.coarse_first = false;
-    simple.identify.mode = Mode::Joint;
-    let mut ladder = FeLadder::weighing(Arc::new(simple), how)?;
+    let mut ladder = FeLadder::from_values(Arc::new(simplified(&found)), how)?;
     let mut fitted_models = ladder.likely(if many.effects.is_empty() { TRIED } else { 0 }, &policy)?;
     let mut rows: Vec<LadderRow> = fitted_models.iter().map(|r| ladder_row(&ladder, r)).collect();
     // To the ladder they belong to its base model, to the reader they are what was found.

@@ -20,6 +20,31 @@ impl<'a> FeLadder<'a> {
     /// # Errors
     /// [`AnalysisError`].
     pub fn weighing(case: Arc<Case>, how: LadderSettings<'a>) -> Result<Self, AnalysisError> {
+        let (mut ladder, model) = Self::prepared(case, how)?;
+        let found = ladder.identify()?;
+        let begun = ladder.begun_at(model, &found.theta)?;
+        ladder.cancelled.phase(Phase::Base);
+        let (mut base, mut states) = ladder.settle(begun, None, 0)?.ok_or_else(no_answer)?;
+        if !found.joint && ladder.fine_case.identify.max_iterations > 0 {
+            let begun = ladder.begun_together(&base, &states, found.beside.as_deref())?;
+            let all = ladder.settle(begun, Some(&states), ROUNDS)?.ok_or_else(no_answer)?;
+            ladder.identified = Some(std::mem::replace(&mut base, all.0));
+            states = all.1;
+        }
+        Ok(ladder.based_on(base, states))
+    }
+
+    /// The same from the file's values alone: no start is sought, all parameters move together.
+    pub(crate) fn from_values(case: Arc<Case>, how: LadderSettings<'a>) -> Result<Self, AnalysisError> {
+        let (ladder, model) = Self::prepared(case, how)?;
+        let fine = Model::new(ladder.fine_case.clone(), ladder.catalogue, Discretisation::default())?;
+        let begun = ladder.begun_at(model, &fine.theta())?;
+        let (base, states) = ladder.settle(begun, None, ROUNDS)?.ok_or_else(no_answer)?;
+        Ok(ladder.based_on(base, states))
+    }
+
+    /// A ladder without a model, and the model of its mesh.
+    fn prepared(case: Arc<Case>, how: LadderSettings<'a>) -> Result<(Self, Model), AnalysisError> {
         let mut ladder = Self::unfitted(case, how)?;
         if ladder.fine_case.mesh.divisions.is_none() {
             ladder.how.coarsen = COARSER;
@@ -28,24 +53,16 @@ impl<'a> FeLadder<'a> {
         newton.tolerance = newton.tolerance.max(crate::identify::SEARCH_TOLERANCE);
         let model = Model::new(ladder.case.clone(), ladder.catalogue, ladder.how)?;
         ladder.measured = ladder.measured.as_estimated(&model)?;
-        let found = ladder.identify()?;
-        let begun = ladder.begun_at(model, &found.theta)?;
-        ladder.cancelled.phase(Phase::Base);
-        let none = || {
-            AnalysisError::Case("the model gives no answer on the file's mesh at the values that fit".into())
-        };
-        let (mut base, mut states) = ladder.settle(begun, None, 0)?.ok_or_else(none)?;
-        if !found.joint && ladder.fine_case.identify.max_iterations > 0 {
-            let begun = ladder.begun_together(&base, &states, found.beside.as_deref())?;
-            let all = ladder.settle(begun, Some(&states), ROUNDS)?.ok_or_else(none)?;
-            ladder.identified = Some(std::mem::replace(&mut base, all.0));
-            states = all.1;
-        }
+        Ok((ladder, model))
+    }
+
+    /// With its base, whose difference of the two meshes counts as the file's mesh's own error.
+    fn based_on(mut self, base: Fitted, states: FineStates) -> Self {
         let error = LEFT_OF_MESH * &base.correction.shift;
-        ladder.measured = ladder.measured.clone().with_numerical_error(&error);
-        ladder.fine_states = Some(states);
-        ladder.fitted_models.insert(Vec::new(), base);
-        Ok(ladder)
+        self.measured = self.measured.clone().with_numerical_error(&error);
+        self.fine_states = Some(states);
+        self.fitted_models.insert(Vec::new(), base);
+        self
     }
 
     /// The values that `fct identify` of the same file finds.
@@ -92,6 +109,10 @@ impl<'a> FeLadder<'a> {
         let free_parameters = self.free_parameters(&model, &theta, &free);
         Ok(Begun { model, theta, free, free_parameters, warm: Vec::new() })
     }
+}
+
+fn no_answer() -> AnalysisError {
+    AnalysisError::Case("the model gives no answer on the file's mesh at the values that fit".into())
 }
 
 /// How much coarser than the file's mesh the search's is.
