@@ -114,15 +114,18 @@ proptest! {
             let (force, a) = tangent_by_jets_9(&*law, &Context::default(), &f, &p, &[], &mut []);
             let stiffness = largest(a.iter().flatten());
             let h = 1e-6;
+            let switches = near_a_switch(&*law, &f, &p);
+            // Where a family switches within the difference, its stiffness takes part in a part of it.
+            let allowed = if switches { h } else { 1e-8 };
             for i in 0..9 {
                 let (mut up, mut down) = (f, f);
                 up[i] += h;
                 down[i] -= h;
                 let energy = |f: &[f64; 9]| testing::respond(&*law, &Context::default(), f, &p, &[]).1;
                 let slope = (energy(&up) - energy(&down)) / (2.0 * h);
-                prop_assert!((slope - force[i]).abs() < 1e-8 * stiffness, "{} {}: {} {}", name, i, slope, force[i]);
+                prop_assert!((slope - force[i]).abs() < allowed * stiffness, "{} {}: {} {}", name, i, slope, force[i]);
             }
-            if near_a_switch(&*law, &f, &p) {
+            if switches {
                 continue;
             }
             let error = testing::tangent_error_9(&*law, &Context::default(), &f, &p, &[], 1e-6);
