@@ -10,6 +10,9 @@ use model::{Discretisation, Model};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
+/// How much coarser than the file's mesh the search's is.
+const COARSER: f64 = 3.0;
+
 /// Share of the difference of the two meshes that is left on the file's: of first order at the corners of clamped ends, on a
 /// mesh three times as fine.
 const LEFT_OF_MESH: f64 = 0.5;
@@ -114,6 +117,3 @@ impl<'a> FeLadder<'a> {
 fn no_answer() -> AnalysisError {
     AnalysisError::Case("the model gives no answer on the file's mesh at the values that fit".into())
 }
-
-/// How much coarser than the file's mesh the search's is.
-const COARSER: f64 = 3.0;

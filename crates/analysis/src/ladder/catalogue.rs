@@ -24,6 +24,7 @@ const OVERTAKES: f64 = 1.0 / 3.0;
 const LARGEST: usize = 4;
 /// Sets that are fitted in one round.
 const AT_ONCE: usize = 8;
+
 impl FeLadder<'_> {
     /// Fits every effect, and every set that matters: what leads is taken to the file's mesh before anything is added to it,
     /// so that additions are judged at an optimum.
@@ -141,25 +142,28 @@ impl FeLadder<'_> {
         }
         self.first = self.unbent()?;
         self.cancelled.phase(Phase::Candidates);
-        let begun: Vec<(Vec<String>, Fitted)> =
-            sets.iter().filter_map(|s| self.fitted_models.remove_entry(s)).collect();
-        let this = &*self;
-        let again: Vec<(Vec<String>, Fitted)> = (begun.into_par_iter())
-            .map(|(set, f)| (set.clone(), this.restart_from_the_record(&set, f)))
-            .collect();
-        self.fitted_models.extend(again);
+        self.fit_again(sets, |ladder, set, f| ladder.restart_from_the_record(set, f));
         Ok(())
     }
 
     /// Sets once more from where `fct identify` of the same model would begin; the better of the two fits is kept.
     fn begin_as_identified(&mut self, sets: &[Vec<String>]) {
         self.cancelled.phase(Phase::Candidates);
+        self.fit_again(sets, |ladder, _, f| ladder.restart_as_identified(f));
+    }
+
+    /// Replaces fits by what a second one makes of them, side by side.
+    fn fit_again(&mut self, sets: &[Vec<String>], again: impl Fn(&Self, &[String], Fitted) -> Fitted + Sync) {
         let begun: Vec<(Vec<String>, Fitted)> =
             sets.iter().filter_map(|s| self.fitted_models.remove_entry(s)).collect();
         let this = &*self;
-        let again: Vec<(Vec<String>, Fitted)> =
-            begun.into_par_iter().map(|(set, f)| (set, this.restart_as_identified(f))).collect();
-        self.fitted_models.extend(again);
+        let done: Vec<(Vec<String>, Fitted)> = (begun.into_par_iter())
+            .map(|(set, f)| {
+                let f = again(this, &set, f);
+                (set, f)
+            })
+            .collect();
+        self.fitted_models.extend(done);
     }
 
     /// The effects that are fitted first: all of them; where the base leaves noise alone, so that no effect can gain much, those

@@ -111,8 +111,6 @@ impl FeLadder<'_> {
             let progress = self.progress;
             let names = super::named(&self.parts_of(&model));
             let far = LITTLE * self.fitted_models.get(&Vec::new()).map_or(f64::INFINITY, |f| f.fit.f);
-            // Beside a model that leaves noise alone, and only there, half a difference of χ² is one of evidence.
-            let near = self.leader.map_or(f64::INFINITY, |f| f + 2.0 * evidence::HOPELESS);
             let mut last = f64::INFINITY;
             let mut watch = |i: &Iterate| {
                 if let Some(f) = i.f {
@@ -125,8 +123,11 @@ impl FeLadder<'_> {
                 // A trial that was rejected says nothing about the fit.
                 let taken = i.f.filter(|_| i.accepted);
                 let idle = taken.is_some_and(|f| f > far && last - f < COARSE_TOLERANCE * f);
-                // Twice the fall of the last step is what a fit may hope for.
-                let behind = taken.is_some_and(|f| f - 2.0 * (last - f) > near);
+                // Beside a model that leaves noise alone, and only there, half a difference of χ² is one of evidence. Twice
+                // the fall of the last step is what a fit may hope for.
+                let behind = taken
+                    .zip(self.leader)
+                    .is_some_and(|(f, leader)| evidence::hopeless(-0.5 * f, last - f, -0.5 * leader));
                 last = taken.unwrap_or(last);
                 if idle || behind { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
@@ -136,7 +137,7 @@ impl FeLadder<'_> {
                 data: &self.measured.data,
                 free: &list,
                 options: &options,
-                how: &format!("far {far}, near {near}"),
+                how: &format!("far {far}, leader {:?}", self.leader),
                 cancelled: self.cancelled,
             };
             let done = remembered(self.journal, &asked, &mut watch, &mut |observer| {
