@@ -30,37 +30,46 @@ pub struct Foreseen {
     pub power: f64,
     /// Size that is seen with 90 % power; `None` where none is.
     pub least: Option<f64>,
+    /// Whether records show it at its plausible size.
+    pub shown: Shown,
 }
 
-/// Whether records show an effect at its plausible size.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+impl Foreseen {
+    /// Whether records show it where it is of this many standard deviations: at another size than the plausible one.
+    pub fn at(&self, snr: f64, policy: &Policy) -> Shown {
+        let critical = self.least.map_or(f64::INFINITY, |l| self.snr * l / self.plausible - NINETY);
+        Shown::of(snr, normal_sf(critical - snr), policy)
+    }
+}
+
+/// Whether records show an effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Shown {
-    /// Yes.
+    /// It is called with 90 % power, and is visible ([`Policy::visible_snr`]): told from its rivals, too.
     Shown,
-    /// Perhaps.
+    /// It is called with 50 % power.
     Faint,
     /// No.
     Hidden,
 }
 
 impl Shown {
+    /// Of an effect of this many standard deviations beyond what base parameters imitate, called with this power.
+    pub fn of(snr: f64, power: f64, policy: &Policy) -> Self {
+        match power {
+            0.9.. if snr >= policy.visible_snr => Self::Shown,
+            0.5.. => Self::Faint,
+            _ => Self::Hidden,
+        }
+    }
+
     /// `shown`, `faint`, `hidden`.
     pub fn word(self) -> &'static str {
         match self {
             Self::Shown => "shown",
             Self::Faint => "faint",
             Self::Hidden => "hidden",
-        }
-    }
-}
-
-impl Foreseen {
-    /// Whether the records show it.
-    pub fn shown(&self) -> Shown {
-        match self.power {
-            0.9.. => Shown::Shown,
-            0.5.. => Shown::Faint,
-            _ => Shown::Hidden,
         }
     }
 }
@@ -146,14 +155,15 @@ fn one(all: &[Seen], i: usize, level: f64, policy: &Policy) -> Foreseen {
             critical = this.critical(level * called as f64, policy);
         }
     }
-    let seen = |snr: f64| if critical.is_finite() { normal_sf(critical - snr) } else { 0.0 };
+    let power = if critical.is_finite() { normal_sf(critical - snr) } else { 0.0 };
     Foreseen {
         effect: this.candidate.effect.clone(),
         amplitude: amplitude.name.clone(),
         plausible: amplitude.plausible,
         shape: this.best.as_ref().map_or_else(Vec::new, |b| this.candidate.shapes[b.0].parameters.clone()),
         snr,
-        power: seen(snr),
+        power,
+        shown: Shown::of(snr, power, policy),
         least: (snr > 0.0).then(|| amplitude.plausible * (critical + NINETY) / snr),
     }
 }

@@ -3,13 +3,13 @@
 //! Everything is linear in the effect and in the base parameters, as the screen itself is; the power it promises is that
 //! of the screen's test at its own threshold, with the noise of the records.
 
-use super::guess::{guessed, with_strength};
+use super::guess::{fitted_roughly, guessed, with_strength};
 use crate::columns::Base;
 use crate::data::Measured;
 use crate::identify::{AnalysisError, coarser, free_parameters};
 use crate::problem::Cancelled;
 use diagnose::power::{noncentrality, power};
-use diagnose::{Candidate, Foreseen, Policy, foresee};
+use diagnose::{Candidate, Foreseen, Policy, Shown, foresee};
 use input::Case;
 use inverse::{Free, Noise, Prediction, Whitened};
 use model::{Catalogue, Discretisation, Model, RunOptions};
@@ -211,7 +211,7 @@ impl Linear {
             .map_err(|e| AnalysisError::Case(e.to_string()))?;
         let hidden = effects
             .iter()
-            .filter(|e| e.power < 0.5)
+            .filter(|e| e.shown == Shown::Hidden)
             .filter_map(|e| catalogue.get(&e.effect))
             .filter(|e| !e.card().negative_control)
             .map(|e| (e.card().name.to_owned(), e.card().separated_by.to_owned()))
@@ -293,6 +293,7 @@ pub(crate) fn foresight_of_records(
     let mut last = None;
     for share in STRENGTHS {
         let theta = with_strength(&model, &guess, share);
+        let theta = fitted_roughly(&model, &theta, &measured, cancelled);
         match linear(&model, (how, LOOK), &theta, measured.clone(), catalogue, cancelled) {
             Ok(linear) => return linear.foresight(catalogue, &policy, true),
             Err(e) if cancelled.stops() => return Err(e),

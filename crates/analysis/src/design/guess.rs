@@ -1,9 +1,20 @@
 //! What a design takes for the tissue and the tear: the file's values, else what its records suggest.
 
-use super::engine::model_of;
+use super::engine::{LOOK, model_of, options};
+use crate::data::Measured;
 use crate::identify::{AnalysisError, free_parameters};
+use crate::problem::{Cancelled, FeProblem};
+use crate::start::START_NOISE;
 use input::Case;
+use inverse::{FitOptions, Iterate, Objective};
 use model::{Catalogue, Model};
+use std::ops::ControlFlow;
+
+/// What counts as the record being followed, where only the order of the tissue and of the tear is asked for: a step that
+/// changes the misfit by less of it ends the fit.
+const ROUGHLY: f64 = 0.02;
+/// Most steps of such a fit.
+const STEPS: usize = 12;
 
 /// θ with the strengths of the tear path multiplied.
 pub(super) fn with_strength(model: &Model, theta: &[f64], share: f64) -> Vec<f64> {
@@ -56,4 +67,30 @@ pub(super) fn guessed(model: &Model) -> Vec<f64> {
         }
     }
     theta
+}
+
+/// θ with the base fitted roughly to the records, from a θ that can be computed: the strip's homogeneous tissue and a path of
+/// the order of the work may tear far earlier or later than the record does, and what shows depends on how far it tears.
+/// The start itself where the fit fails.
+pub(super) fn fitted_roughly(
+    model: &Model,
+    theta: &[f64],
+    measured: &Measured,
+    cancelled: Cancelled,
+) -> Vec<f64> {
+    let free = model.free();
+    let mut list = free_parameters(model, theta, &free);
+    crate::priors::add(&mut list, &model.case, true);
+    let measured = measured.clone().with_noise_of_at_least(START_NOISE);
+    let options = options(&model.case, LOOK);
+    let problem = FeProblem::new(model, theta.to_vec(), free, &measured.slots, options, cancelled);
+    let how_far = FitOptions {
+        objective: Objective::Record,
+        tolerance: ROUGHLY,
+        max_iterations: STEPS,
+        ..FitOptions::default()
+    };
+    let mut watch = |_: &Iterate| ControlFlow::Continue(());
+    inverse::fit(&problem, &measured.data, &list, &how_far, &mut watch)
+        .map_or_else(|_| theta.to_vec(), |fit| problem.full(&fit.theta))
 }

@@ -2,12 +2,10 @@
 
 use super::wrap;
 use analysis::{Doctor, Foresight, RecordFindings};
+use diagnose::Shown;
 
 /// Columns of a line.
 const WIDTH: usize = 94;
-/// Power that counts as seen, and as chance.
-const SEEN: f64 = 0.9;
-const FAINT: f64 = 0.5;
 /// Advice on what would show the rest: that many.
 const ADVISED: usize = 3;
 
@@ -75,8 +73,9 @@ fn record(r: &RecordFindings) -> String {
 }
 
 fn shows(out: &mut Vec<String>, f: &Foresight) {
-    let names = |keep: &dyn Fn(f64) -> bool| {
-        let list: Vec<&str> = f.effects.iter().filter(|e| keep(e.power)).map(|e| e.effect.as_str()).collect();
+    let names = |how: Shown| {
+        let list: Vec<&str> =
+            f.effects.iter().filter(|e| e.shown == how).map(|e| e.effect.as_str()).collect();
         if list.is_empty() { "none".to_owned() } else { list.join(", ") }
     };
     let error = |k: &analysis::Known| format!("{} ±{:.0} %", k.path, 100.0 * k.relative_error);
@@ -85,9 +84,9 @@ fn shows(out: &mut Vec<String>, f: &Foresight) {
     let or_none = |list: String| if list.is_empty() { "none".to_owned() } else { list };
     push(out, &format!("parameters they fix (standard error): {}", or_none(known.join(", "))));
     push(out, &format!("parameters they leave open: {}", or_none(open.join(", "))));
-    push(out, &format!("effects they show at a plausible size: {}", names(&|p| p >= SEEN)));
-    push(out, &format!("effects they may miss: {}", names(&|p| (FAINT..SEEN).contains(&p))));
-    push(out, &format!("effects they hide: {}", names(&|p| p < FAINT)));
+    push(out, &format!("effects they show at a plausible size: {}", names(Shown::Shown)));
+    push(out, &format!("effects they may miss: {}", names(Shown::Faint)));
+    push(out, &format!("effects they hide: {}", names(Shown::Hidden)));
     for (name, how) in f.hidden.iter().take(ADVISED) {
         push(out, &format!("to show `{name}`: {how}"));
     }
