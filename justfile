@@ -122,6 +122,11 @@ workbench-picture:
     FCT_SCREENSHOTS="$PWD/target/pictures" cargo test -p fct-cli workbench_browser:: -- --ignored
     for name in "" -empty -geometry -slider -stretch -hover; do cp target/pictures/workbench$name.png docs/book/src/img/; done
 
+# The same journey on a record of another program with a hidden effect, beside this repository. Minutes; `FCT_CASE` for
+# another one, `FCT_SCREENSHOTS=DIR` keeps pictures.
+workbench-practice:
+    FCT_PRACTICE="${FCT_PRACTICE:-$PWD/../shared/practice}" cargo test --release -p fct-cli workbench_practice:: -- --ignored --nocapture
+
 # The README's film of the workbench: a raw file dropped, the missing effect added, the error falling; pictures by Chromium,
 # put together by Pillow.
 workbench-film:

@@ -9,7 +9,7 @@ fn main() {
         let case = input::read_case(std::path::Path::new(&path), &cat).unwrap_or_else(|e| panic!("{e}"));
         let search = std::env::var("SEARCH").is_ok();
         {
-            let coarsen = if search { 2.0 } else { 1.0 };
+            let coarsen = if search { 3.0 } else { 1.0 };
             let how = model::Discretisation { coarsen, ..model::Discretisation::default() };
             let mut options = analysis::run_options(&case);
             if search {

@@ -38,3 +38,4 @@ mod weights;
 mod workbench_browser;
 mod workbench_figures;
 mod workbench_kept;
+mod workbench_practice;

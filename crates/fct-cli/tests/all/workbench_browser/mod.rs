@@ -67,7 +67,7 @@ pub const IDLE: &str =
     "document.querySelector('#busy').hidden && !document.body.classList.contains('working')";
 
 /// The misfit that the present step of the staircase shows, N.
-fn misfit(page: &mut Page) -> Result<f64, Box<dyn Error>> {
+pub fn misfit(page: &mut Page) -> Result<f64, Box<dyn Error>> {
     let rms = page.ask("Number(document.querySelector('[aria-current=step]').dataset.rms)")?;
     Ok(rms.as_f64().ok_or("no misfit on the staircase")?)
 }
