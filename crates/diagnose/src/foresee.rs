@@ -231,6 +231,21 @@ mod tests {
     }
 
     #[test]
+    fn what_is_shown_is_called_and_visible_and_another_size_is_judged_likewise() {
+        let policy = Policy::default();
+        let (white, candidates) = setting(&DVector::zeros(N));
+        for f in foresee(&white, &[false; 2], &candidates, N, &policy).unwrap() {
+            assert_eq!(f.at(f.snr, &policy), f.shown);
+            let least = f.snr * f.least.unwrap() / f.plausible;
+            assert_eq!(f.at(0.99 * least, &policy), Shown::Faint, "{}: called with less than 90 %", f.effect);
+            assert!(least < policy.visible_snr, "{least}");
+            assert_eq!(f.at(1.01 * least, &policy), Shown::Faint, "called, not yet visible");
+            assert_eq!(f.at(1.01 * policy.visible_snr, &policy), Shown::Shown);
+            assert_eq!(f.at(least - 2.0 * NINETY, &policy), Shown::Hidden);
+        }
+    }
+
+    #[test]
     fn what_the_base_imitates_is_not_seen() {
         let (white, _) = setting(&DVector::zeros(N));
         let shift = Candidate::simple("shift", Side::Both, 5.0, column(|x| 1.0 - 2.0 * x));

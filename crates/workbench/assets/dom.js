@@ -28,6 +28,8 @@ export const show = (x, digits = 3) => {
   return size !== 0 && (size < 1e-4 || size >= 1e6) ? x.toExponential(digits - 1) : String(Number(x.toPrecision(digits)));
 };
 export const percent = x => `${show(100 * x, 2)} %`;
+// A probability, in the words of the terminal.
+export const probability = p => p > 0.99 ? "> 99 %" : p < 0.01 ? "< 1 %" : `${Math.round(100 * p)} %`;
 export const colour = name => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
 // Fills an element anew; what had the focus has it again where it is still there.

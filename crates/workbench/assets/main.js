@@ -1,5 +1,5 @@
 // The page: one state from the server, shown by every part; what happens there is heard as it happens.
-import { byId, el, fill, percent, show } from "./dom.js";
+import { byId, el, fill, percent, probability, show } from "./dom.js";
 import { ask as post, link, listen, state as fetchState } from "./server.js";
 import { sparkline } from "./plot.js";
 import * as curves from "./curves.js";
@@ -71,7 +71,7 @@ function strength(name, word) {
 // The effects in question in a few words.
 function probable() {
   const present = now.specimen?.effects ?? [], by = now.diagnosis?.posterior?.effects;
-  const names = by ? Object.entries(by).filter(e => e[1] >= 0.1).sort((a, b) => b[1] - a[1]).map(([e, p]) => [e, ` ${percent(p)}`])
+  const names = by ? Object.entries(by).filter(e => e[1] >= 0.1).sort((a, b) => b[1] - a[1]).map(([e, p]) => [e, ` ${probability(p)}`])
     : (now.diagnosis?.screen ?? []).filter(r => r.significant).map(r => [r.effect, ""]);
   return names.filter(e => !present.includes(e[0])).slice(0, 3).map(e => e.join(""));
 }

@@ -1,5 +1,5 @@
 // The staircase of the error, and what is missing.
-import { byId, el, fill, percent, show } from "./dom.js";
+import { byId, el, fill, percent, probability, show } from "./dom.js";
 import { draw } from "./plot.js";
 import * as curves from "./curves.js";
 
@@ -65,7 +65,7 @@ function bars(state) {
   const dropping = present.map(e => el("li", { class: "present" }, el("b", {}, e), el("span", { class: "muted" }, "in the model"),
     el("button", { type: "button", "data-drop": e, onclick: () => ask({ do: "drop", effect: e }) }, `Take ${e} away`)));
   const one = ({ effect, share: part, row }) => {
-    const told = posterior ? `probability ${percent(part)}` : `${percent(part)} of χ²`;
+    const told = posterior ? `probability ${probability(part)}` : `${percent(part)} of χ²`;
     const look = on => () => curves.hover(on ? effect : null);
     return el("li", { class: (posterior ? part >= 0.1 : row.significant) ? "" : "faint", "data-effect": effect, onmouseenter: look(true), onmouseleave: look(false),
       onfocusin: look(true), onfocusout: look(false) },
@@ -77,7 +77,7 @@ function bars(state) {
     : el("li", { class: "group" }, el("p", {}, "These records cannot tell apart:"), el("ol", {}, group.map(one))));
   const others = posterior ? [["nothing is missing", posterior.nothing], ["something else", posterior.something_else]] : [];
   const rest = others.filter(o => Number.isFinite(o[1])).map(([name, p]) => el("li", { "data-other": name }, el("b", {}, name), share(p),
-    el("span", { class: "muted" }, `probability ${percent(p)}`)));
+    el("span", { class: "muted" }, `probability ${probability(p)}`)));
   byId("meaning").textContent = meaning(d);
   fill(byId("effects"), dropping, groups, rest);
   fill(byId("words"), [...(d?.words ?? []).filter(w => !d.screen?.some(r => r.sentence === w)), ...swings(posterior)].map(w => el("li", {}, w)));
@@ -90,7 +90,7 @@ function swings(posterior) {
     const effects = now?.effects ?? now;
     if (!effects || typeof effects !== "object") return [];
     const moved = Object.entries(effects).map(([e, p]) => [e, p, posterior.effects?.[e] ?? 0]).filter(([, p, was]) => Number.isFinite(p) && Math.abs(p - was) > 0.1);
-    return moved.length ? [`With ${words[key] ?? key}: ${moved.map(([e, p]) => `${e} ${percent(p)}`).join(", ")}.`] : [];
+    return moved.length ? [`With ${words[key] ?? key}: ${moved.map(([e, p]) => `${e} ${probability(p)}`).join(", ")}.`] : [];
   });
 }
 
@@ -118,7 +118,7 @@ function card(name) {
 function nextTest(n) {
   byId("next").hidden = !n;
   if (!n) return;
-  const power = Number.isFinite(n.expected_power) ? ` Expected power ${percent(n.expected_power)}.` : "";
+  const power = Number.isFinite(n.expected_power) ? ` Expected power ${probability(n.expected_power)}.` : "";
   byId("next").querySelector("p").textContent = `${n.proposal} It separates ${n.separates.join(" and ")}.${power} (${n.basis})`;
 }
 

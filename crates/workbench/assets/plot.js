@@ -82,7 +82,8 @@ function series(ctx, xs, s, X, Y) {
   }
   const half = s.kind === "band" ? Math.max(1, Math.abs(Y(s.half) - Y(0))) : 0;
   ctx.lineWidth = s.kind === "band" ? 2 * half : s.kind === "thin" ? 1.3 : 2;
-  ctx.lineJoin = "round";
+  // A record turns back on itself: round joins would bulge out of a band there.
+  ctx.lineJoin = s.kind === "band" ? "bevel" : "round";
   ctx.setLineDash(s.kind === "dash" ? [6, 4] : []);
   ctx.beginPath();
   let open = false;

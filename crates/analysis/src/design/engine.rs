@@ -3,7 +3,6 @@
 //! Everything is linear in the effect and in the base parameters, as the screen itself is; the power it promises is that
 //! of the screen's test at its own threshold, with the noise of the records.
 
-use super::guess::{fitted_roughly, guessed, with_strength};
 use crate::columns::Base;
 use crate::data::Measured;
 use crate::identify::{AnalysisError, coarser, free_parameters};
@@ -21,8 +20,6 @@ use std::sync::Arc;
 const AREAS: usize = 3;
 /// How much coarser than the given mesh; less where a strip is too small for that.
 const COARSEN: [f64; 3] = [4.0, 2.0, 1.0];
-/// Shares of the guessed strength that are tried until a run comes to the end of its records.
-const STRENGTHS: [f64; 4] = [1.0, 0.6, 1.6, 0.3];
 /// A parameter is known when its standard error is below this share of it.
 const KNOWN: f64 = 0.35;
 
@@ -192,7 +189,6 @@ impl Linear {
     }
 
     /// What the screen says of the record.
-    #[cfg(test)]
     pub fn screened(&self) -> Result<diagnose::Screen, AnalysisError> {
         let points = self.measured.data.points();
         diagnose::screen(&self.misfit(), &self.at_bound(), &self.candidates, points, &Policy::default())
@@ -277,28 +273,4 @@ fn columns(c: &Candidate, white: &Whitened) -> Vec<DVector<f64>> {
         plausible.fold(DVector::zeros(s.columns.nrows()), |sum, (a, column)| sum + column * a.plausible)
     };
     c.shapes.iter().map(|s| white.column(&sized(s))).collect()
-}
-
-/// What the records of a case can show: at the file's values where it gives any, else at what the records suggest.
-pub(crate) fn foresight_of_records(
-    case: &Arc<Case>,
-    catalogue: &Catalogue,
-    cancelled: Cancelled,
-) -> Result<Foresight, AnalysisError> {
-    let case = crate::condensed(case);
-    let (model, how) = model_of(&case, catalogue)?;
-    let policy = Policy::default();
-    let measured = Measured::conservative(&model, &model.recorded())?;
-    let guess = guessed(&model);
-    let mut last = None;
-    for share in STRENGTHS {
-        let theta = with_strength(&model, &guess, share);
-        let theta = fitted_roughly(&model, &theta, &measured, cancelled);
-        match linear(&model, (how, LOOK), &theta, measured.clone(), catalogue, cancelled) {
-            Ok(linear) => return linear.foresight(catalogue, &policy, true),
-            Err(e) if cancelled.stops() => return Err(e),
-            Err(e) => last = Some(e),
-        }
-    }
-    Err(last.unwrap_or(AnalysisError::Case("no record".into())))
 }

@@ -3,14 +3,16 @@
 mod engine;
 mod full;
 mod guess;
+mod look;
 mod program;
 #[cfg(test)]
 mod repeats;
 mod table;
 
-pub(crate) use engine::foresight_of_records;
 pub use engine::{Foresight, Known};
 pub use full::Confirmed;
+pub use look::first_look;
+pub(crate) use look::foresight_of_records;
 
 use crate::condensed;
 use crate::identify::AnalysisError;

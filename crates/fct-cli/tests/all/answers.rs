@@ -95,7 +95,11 @@ fn discover_names_what_is_hidden() -> Tested {
     let folder = drifting()?;
     let here = folder.path();
     fs::write(here.join("fit.toml"), FIT.replace("[interface]\n", "[interface]\nareas = 3\n"))?;
-    let found = answer(here, &["discover", "fit.toml", "--out", "search"])?;
+    let out = fct(here, &["discover", "fit.toml", "--out", "search", "--json"])?;
+    let said = String::from_utf8(out.stderr)?;
+    let look = said.lines().find(|l| l.contains("First look")).ok_or("no first look")?;
+    assert!(look.contains("χ² takes away drift "), "{look}");
+    let found: Value = serde_json::from_slice(&out.stdout)?;
     let catalogue = answer(here, &["effects"])?["effects"].as_array().map_or(0, Vec::len);
     holds_a_diagnosis(&found, catalogue);
     assert!(matches!(found["verdict"].as_str(), Some("explained" | "ambiguous")), "{}", found["verdict"]);
