@@ -260,14 +260,7 @@ pub fn discover(
     let policy = Policy::default();
     let recent = Recent::new(journal);
     let how = LadderSettings { catalogue, policy: policy.clone(), progress, cancelled, journal: &recent };
-    let look = || {
-        // Where it fails, the search says why.
-        if let Ok(look) = crate::first_look(&case, catalogue, cancelled) {
-            progress(&look);
-        }
-    };
-    let ((), ladder) = rayon::join(look, || FeLadder::weighing(case.clone(), how));
-    let mut ladder = ladder?;
+    let mut ladder = FeLadder::weighing(case, how)?;
     let weighed = ladder.weighed()?;
     let next_test = ladder.next_test(&weighed.discovery);
     let words = told::words(&weighed, &other_laws(ladder.case(), catalogue));

@@ -84,6 +84,24 @@ impl Progress {
         }
     }
 
+    /// Whether anybody sees it.
+    pub fn heard(&self) -> bool {
+        self.bar.is_some() || self.plain || self.listener.is_some()
+    }
+
+    /// What was found on the way: a line that stays, however soon after another.
+    pub fn found(&self, text: &str) {
+        if let Some(listener) = &self.listener {
+            listener.note(text);
+        }
+        let line = format!("{}: {}, {}", self.title, input::visible(text), self.spent());
+        match &self.bar {
+            Some(bar) => bar.println(line),
+            None if self.plain => say(&line),
+            None => {}
+        }
+    }
+
     /// Steps of a simulation.
     pub fn steps(&self, done: usize, total: usize) {
         if let Some(bar) = &self.bar {

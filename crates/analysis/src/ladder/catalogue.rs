@@ -33,7 +33,7 @@ impl FeLadder<'_> {
     /// [`AnalysisError`].
     pub(super) fn weigh_catalogue(&mut self) -> Result<Probabilities, AnalysisError> {
         self.columns_at(&[])?;
-        let mut done = Done { singles: Singles::Likely, formed: BTreeSet::new(), twice: BTreeSet::new() };
+        let mut done = Done { singles: Singles::Likely, twice: BTreeSet::new() };
         loop {
             let (found, posterior, models) = self.posterior()?;
             if self.interrupted() {
@@ -43,7 +43,6 @@ impl FeLadder<'_> {
             let noise = found.left.explained_to == evidence::ExplainedTo::Noise;
             let now = Now { noise, leads: leading(&posterior), found, posterior, models };
             let moved = self.fit_likely(&mut done, &now)?
-                || self.reform_leaders(&mut done, &now)?
                 || self.begin_leaders_again(&mut done, &now)
                 || self.fit_others(&mut done, &now)?
                 || self.settle_leaders(&now)?
@@ -66,27 +65,6 @@ impl FeLadder<'_> {
         done.singles = Singles::Others(sets);
         self.fit_sets(&likely)?;
         Ok(!likely.is_empty())
-    }
-
-    /// The leading sets in other forms of their effects, where they leave more than noise: before all else that may mend it,
-    /// since what another form explains would bend every other fit.
-    fn reform_leaders(&mut self, done: &mut Done, now: &Now) -> Result<bool, AnalysisError> {
-        let once: Vec<Vec<String>> = (self.unsettled(now).into_iter())
-            .filter(|s| !now.noise && !s.is_empty() && !done.formed.contains(s))
-            .collect();
-        done.formed.extend(once.iter().cloned());
-        self.cancelled.phase(Phase::Candidates);
-        let this = &*self;
-        let better: Vec<Result<Option<Fitted>, AnalysisError>> =
-            once.par_iter().map(|s| this.best_form(&this.fitted_models[s])).collect();
-        let mut moved = false;
-        for (set, better) in once.into_iter().zip(better) {
-            if let Some(f) = better? {
-                self.fitted_models.insert(set, f);
-                moved = true;
-            }
-        }
-        Ok(moved)
     }
 
     /// The leading sets once more from the record, where they leave more than noise.
@@ -257,8 +235,6 @@ impl FeLadder<'_> {
 /// What a search has behind it.
 struct Done {
     singles: Singles,
-    /// Sets whose effects' other forms were tried.
-    formed: BTreeSet<Vec<String>>,
     /// Sets that began a second time, from the record.
     twice: BTreeSet<Vec<String>>,
 }

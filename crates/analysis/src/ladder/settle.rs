@@ -50,7 +50,11 @@ impl FeLadder<'_> {
     pub(super) fn settle_sets(&mut self, sets: &[Vec<String>]) -> Result<(), AnalysisError> {
         let this = &*self;
         let one = |set: &Vec<String>| match this.fitted_models.get(set) {
-            Some(f) => this.settle(this.begun_of(f)?, this.fine_states.as_ref(), ROUNDS),
+            Some(f) => {
+                let better = this.best_form(f)?;
+                let begun = this.begun_of(better.as_ref().unwrap_or(f))?;
+                this.settle(begun, this.fine_states.as_ref(), ROUNDS)
+            }
             None => Ok(None),
         };
         let done: Vec<Result<Option<(Fitted, FineStates)>, AnalysisError>> =

@@ -3,6 +3,7 @@
 use super::fitted_models;
 use super::unfinished::kept;
 use crate::outcome::{Failure, Outcome};
+use crate::progress::Progress;
 use crate::session::Session;
 use ::report::answer::{Evaluated, weighed};
 use ::report::{Partial, RunDir, store_discover, store_unfinished, terminal};
@@ -60,7 +61,10 @@ fn search(
     let (note, cancelled) = (|s: &str| progress.note(s), || session.cancelled());
     let meter = Meter::new(true);
     let metered = Metered::new(&cancelled, &meter);
-    let mut answer = analysis::discover(case.clone(), &session.catalogue, &note, &metered, &journal)?;
+    let look = || first_look(&progress, case, session);
+    let whole = || analysis::discover(case.clone(), &session.catalogue, &note, &metered, &journal);
+    let ((), answer) = rayon::join(look, whole);
+    let mut answer = answer?;
     if session.cancelled() {
         return Ok((answer, None));
     }
@@ -75,6 +79,16 @@ fn search(
     let top = fitted_models::store(dir, case, &answer, session, &metered)?;
     answer.cost = meter.spent();
     Ok((answer, top))
+}
+
+/// What stands out by a rough fit, said while the search is at its base; where there is none, the search says why.
+fn first_look(progress: &Progress, case: &Arc<Case>, session: &Session) {
+    if !progress.heard() {
+        return;
+    }
+    if let Ok(look) = analysis::first_look(case, &session.catalogue, &|| session.cancelled()) {
+        progress.found(&look);
+    }
 }
 
 /// Keeps what a search found before the user stopped it.
