@@ -31,10 +31,9 @@ const INNER_TOLERANCE: f64 = 1e-4;
 const INNER_INSIGNIFICANT: f64 = 0.05;
 const INNER_STEPS: usize = 16;
 
-/// Rounds by runs with all load steps, after those with half of them, and the fall of χ² that a further one must promise: most
-/// fits need one, and where areas trade against each other the second and third bring another few.
-pub(super) const LAST_ROUNDS: usize = 4;
-const LAST_FALL: f64 = 1.0;
+/// Rounds by runs with all load steps, after those with half of them: the first of them brings most of the few units of χ²
+/// that the other steps are worth.
+pub(super) const LAST_ROUNDS: usize = 1;
 
 /// Rounds of a stage that stalled: a model that misses the tear by far is not told apart from others by the rest.
 pub(super) const STALLED_ROUNDS: usize = 5;
@@ -192,8 +191,7 @@ impl<'a> Work<'a> {
             max_trials: COARSE_TRIALS,
             ..fit_options.clone()
         };
-        let settled = if self.all_steps { LAST_FALL } else { INSIGNIFICANT };
-        let mapped = MappedOptions { outer: fit_options.clone(), inner, settled };
+        let mapped = MappedOptions { outer: fit_options.clone(), inner, settled: INSIGNIFICANT };
         let (progress, history) = (self.control.progress, &mut self.history);
         let pausing = self.pausing && !coarse && beside.is_some();
         let mut before: Option<TearMisfit> = None;
