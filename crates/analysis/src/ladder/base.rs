@@ -24,7 +24,7 @@ impl<'a> FeLadder<'a> {
     /// [`AnalysisError`].
     pub fn weighing(case: Arc<Case>, how: LadderSettings<'a>) -> Result<Self, AnalysisError> {
         let (mut ladder, model) = Self::prepared(case, how)?;
-        let found = ladder.identify()?;
+        let found = ladder.identify(&ladder.fine_case, "base model")?;
         let begun = ladder.begun_at(model, &found.theta)?;
         ladder.cancelled.phase(Phase::Base);
         let (mut base, mut states) = ladder.settle(begun, None, 0)?.ok_or_else(no_answer)?;
@@ -68,20 +68,16 @@ impl<'a> FeLadder<'a> {
         self
     }
 
-    /// The values that `fct identify` of the same file finds.
-    fn identify(&self) -> Result<Searched, AnalysisError> {
+    /// The values that `fct identify` of a file finds.
+    pub(super) fn identify(&self, case: &Arc<Case>, name: &str) -> Result<Searched, AnalysisError> {
         let say = self.progress;
         let shown = |p: &crate::Progress| {
             let objective = p.iterate.f.map_or("no answer".into(), |f| format!("objective {f:.4e}"));
             let mesh = if p.coarse { " on the coarse mesh" } else { "" };
-            say(&format!(
-                "base model, {}{mesh}: iteration {}, {objective}",
-                p.stage.word(),
-                p.iterate.iteration
-            ));
+            say(&format!("{name}, {}{mesh}: iteration {}, {objective}", p.stage.word(), p.iterate.iteration));
         };
         let control = crate::Control { progress: &shown, cancelled: self.cancelled, journal: self.journal };
-        let found = searched(&self.fine_case, self.catalogue, &control)?;
+        let found = searched(case, self.catalogue, &control)?;
         self.runs.fetch_add(found.runs, Ordering::Relaxed);
         Ok(found)
     }
@@ -107,10 +103,15 @@ impl<'a> FeLadder<'a> {
     /// A model of the search's mesh at values of the file's, as the start of a fit.
     fn begun_at(&self, model: Model, theta: &[f64]) -> Result<Begun, AnalysisError> {
         let fine = Model::new(self.fine_case.clone(), self.catalogue, Discretisation::default())?;
-        let theta = transfer(&fine, theta, &model);
+        Ok(self.begun_from(&fine, model, theta))
+    }
+
+    /// The same from a model of the file's mesh.
+    pub(super) fn begun_from(&self, fine: &Model, model: Model, theta: &[f64]) -> Begun {
+        let theta = transfer(fine, theta, &model);
         let free = model.free();
         let free_parameters = self.free_parameters(&model, &theta, &free);
-        Ok(Begun { model, theta, free, free_parameters, warm: Vec::new() })
+        Begun { model, theta, free, free_parameters, warm: Vec::new() }
     }
 }
 

@@ -163,7 +163,7 @@ impl FeLadder<'_> {
 }
 
 /// A fit's case, its effects at the fitted values.
-fn with_effects_at(f: &Fitted) -> Case {
+pub(super) fn with_effects_at(f: &Fitted) -> Case {
     let mut case = (*f.model.case).clone();
     for effect in &mut case.effects {
         for spec in &effect.specs {

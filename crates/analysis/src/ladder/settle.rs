@@ -1,5 +1,6 @@
 //! Fits on the file's mesh, their steps taken on the search's (`inverse::fit_mapped`).
 
+use super::begin::with_effects_at;
 use super::{FeLadder, Fitted, named};
 use crate::columns::transfer;
 use crate::correction::Correction;
@@ -52,8 +53,11 @@ impl FeLadder<'_> {
         let one = |set: &Vec<String>| match this.fitted_models.get(set) {
             Some(f) => {
                 let better = this.best_form(f)?;
-                let begun = this.begun_of(better.as_ref().unwrap_or(f))?;
-                this.settle(begun, this.fine_states.as_ref(), ROUNDS)
+                let f = better.as_ref().unwrap_or(f);
+                match this.settle(this.begun_of(f)?, this.fine_states.as_ref(), ROUNDS)? {
+                    None => this.settle_as_identified(f),
+                    settled => Ok(settled),
+                }
             }
             None => Ok(None),
         };
@@ -70,6 +74,24 @@ impl FeLadder<'_> {
             }
         }
         Ok(())
+    }
+
+    /// A fit that gives no answer on the file's mesh, taken to where `fct identify` of its model ends there. `None`: nowhere.
+    fn settle_as_identified(&self, f: &Fitted) -> Result<Option<(Fitted, FineStates)>, AnalysisError> {
+        let found = with_effects_at(f);
+        let mut case = (*self.fine_case).clone();
+        (case.effects, case.bulk, case.interface) = (found.effects, found.bulk, found.interface);
+        let case = Arc::new(case);
+        let name = named(&self.parts_of(&f.model));
+        let theta = match self.identify(&case, &name) {
+            Ok(found) => found.theta,
+            Err(e) if self.cancelled.stops() => return Err(e),
+            Err(_) => return Ok(None),
+        };
+        let model = Model::new(f.model.case.clone(), self.catalogue, self.how)?;
+        let begun =
+            self.begun_from(&Model::new(case, self.catalogue, Discretisation::default())?, model, &theta);
+        self.settle(begun, None, ROUNDS)
     }
 
     /// A fit taken to the optimum on the file's mesh; `None` where that mesh gives no answer.
