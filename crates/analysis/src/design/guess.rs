@@ -69,7 +69,7 @@ pub(super) fn guessed(model: &Model) -> Vec<f64> {
     theta
 }
 
-/// θ with the base fitted roughly to the records, from a θ that can be computed: the strip's homogeneous tissue and a path of
+/// θ with the base fitted roughly to the records, from a first guess: the strip's homogeneous tissue and a path of
 /// the order of the work may tear far earlier or later than the record does, and what shows depends on how far it tears.
 /// The start itself where the fit fails.
 pub(super) fn fitted_roughly(
