@@ -20,6 +20,8 @@ pub struct Mapped<'a> {
     /// Difference of the jacobians by z, n × p.
     slope: DMatrix<f64>,
     valid: Option<Vec<bool>>,
+    /// The expensive model at the anchor, where every fit of the map begins, with the jacobian that steps are taken by.
+    there: Option<(Vec<f64>, Prediction)>,
 }
 
 fn transformed(free: &[Free], theta: &[f64]) -> DVector<f64> {
@@ -58,13 +60,15 @@ impl<'a> Mapped<'a> {
         let jumps = valid.iter().flatten().enumerate().filter(|(_, v)| !**v);
         jumps.for_each(|(i, _)| slope.row_mut(i).fill(0.0));
         let shift = &expensive.values - &own.values;
-        Ok(Self { cheap, free, anchor: transformed(free, theta), shift, slope, valid })
+        let mut map =
+            Self { cheap, free, anchor: transformed(free, theta), shift, slope, valid, there: None };
+        let there = map.put_right(theta, own);
+        map.there = Some((theta.to_vec(), there));
+        Ok(map)
     }
-}
 
-impl Problem for Mapped<'_> {
-    fn predict(&self, theta: &[f64], jacobian: bool) -> Result<Prediction, PredictError> {
-        let mut p = self.cheap.predict(theta, jacobian)?;
+    /// The cheap model's prediction as the map's.
+    fn put_right(&self, theta: &[f64], mut p: Prediction) -> Prediction {
         p.values += &self.shift + &self.slope * (transformed(self.free, theta) - &self.anchor);
         if let Some(j) = &mut p.jacobian {
             for (k, f) in self.free.iter().enumerate() {
@@ -75,7 +79,16 @@ impl Problem for Mapped<'_> {
             }
         }
         p.valid = both(p.valid.as_ref(), self.valid.as_ref());
-        Ok(p)
+        p
+    }
+}
+
+impl Problem for Mapped<'_> {
+    fn predict(&self, theta: &[f64], jacobian: bool) -> Result<Prediction, PredictError> {
+        match &self.there {
+            Some((at, p)) if at == theta => Ok(p.clone()),
+            _ => Ok(self.put_right(theta, self.cheap.predict(theta, jacobian)?)),
+        }
     }
 }
 
@@ -89,6 +102,8 @@ pub struct MappedOptions {
     /// A predicted fall of χ² that is not worth a run of the expensive model; times the reduced χ² where that is above 1,
     /// since less than that is less than what the model leaves would explain.
     pub settled: f64,
+    /// Runs of the cheap model that take as long as one of the expensive.
+    pub ratio: f64,
 }
 
 /// Rejections in a row that end the fit.
@@ -98,6 +113,39 @@ const SHRINK: f64 = 0.4;
 /// Share of a predicted fall from which on the radius grows, and below which it shrinks.
 const GOOD: f64 = 0.75;
 const POOR: f64 = 0.25;
+
+/// What a round has gained and taken so far, its steps being taken on the map.
+///
+/// A round ends where its next step gains less for a run than the round has gained for each of its own, that of the
+/// expensive model at its end among them (Charnov's marginal value theorem, 1976, doi:10.1016/0040-5809(76)90040-X): further
+/// steps along a valley gain little, and lead where the map does not hold.
+struct Gain {
+    begun: f64,
+    last: f64,
+    /// Runs of the cheap model: of the round, the expensive model's counted in; since the last step.
+    runs: f64,
+    since: f64,
+}
+
+impl Gain {
+    const fn from(f: f64, expensive: f64) -> Self {
+        Self { begun: f, last: f, runs: expensive, since: 0.0 }
+    }
+
+    /// Whether the round is to end at this iterate; not before it gained `least`.
+    fn is_enough(&mut self, i: &Iterate, least: f64) -> bool {
+        if i.iteration == 0 {
+            return false;
+        }
+        self.runs += 1.0;
+        self.since += 1.0;
+        let Some(f) = i.f.filter(|_| i.accepted) else { return false };
+        let (whole, step) = (self.begun - f, self.last - f);
+        let little = step / self.since < whole / self.runs;
+        (self.last, self.since) = (f, 0.0);
+        whole >= least && little
+    }
+}
 
 /// Who hears of runs, and may end the fit.
 type Observer<'a> = &'a mut dyn FnMut(&Iterate) -> ControlFlow<()>;
@@ -166,18 +214,23 @@ impl Rounds<'_> {
     /// a reason to stop, if there is one.
     fn round(&mut self, map: &Mapped, observer: Observer, watch: Observer) -> Option<StopReason> {
         let (data, free, outer) = (self.data, self.free, &self.options.outer);
+        let worth = (self.options.settled * outer.worth(data, self.at.f))
+            .max(1e-3 * outer.tolerance * self.at.f);
         loop {
             let region = within(free, &self.at.theta, self.radius);
-            let inner = match fit(map, data, &region, &self.options.inner, watch) {
-                Ok(inner) if inner.stop != StopReason::Stopped => inner,
+            let (mut gain, mut enough) = (Gain::from(self.at.f, self.options.ratio), false);
+            let mut until = |i: &Iterate| {
+                enough = gain.is_enough(i, worth);
+                if enough { ControlFlow::Break(()) } else { watch(i) }
+            };
+            let inner = fit(map, data, &region, &self.options.inner, &mut until);
+            let inner = match inner {
+                Ok(inner) if enough || inner.stop != StopReason::Stopped => inner,
                 Ok(_) | Err(FitError::Start(PredictError::Interrupted)) => return Some(StopReason::Stopped),
                 Err(_) => return Some(StopReason::NoDescent),
             };
             let predicted = self.at.f - inner.f;
-            if predicted
-                <= (self.options.settled * outer.worth(data, self.at.f))
-                    .max(1e-3 * outer.tolerance * self.at.f)
-            {
+            if predicted <= worth {
                 let settled = self.rejected == 0;
                 return Some(if settled { StopReason::Converged } else { StopReason::NoDescent });
             }

@@ -11,7 +11,7 @@ mod work;
 
 pub(crate) use search::{StagePlan, stages};
 pub use work::free_parameters;
-pub(crate) use work::{SEARCH_TOLERANCE, TRIAL_BUDGET, Work, fewer_steps};
+pub(crate) use work::{SEARCH_TOLERANCE, TRIAL_BUDGET, Work, fewer_steps, runs_as_long};
 
 use crate::data::{Measured, RecordError};
 use crate::held_out::{HeldOut, held_out};

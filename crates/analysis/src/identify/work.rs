@@ -26,6 +26,18 @@ pub(crate) fn fewer_steps(mut options: RunOptions) -> RunOptions {
     options
 }
 
+/// Exponent by which the time of a run grows with its unknowns.
+const GROWTH: f64 = 1.3;
+
+/// Runs of a cheap model that take as long as one of another: as unknowns to the power that a run grows with
+/// (docs/performance.md, growth with the mesh), and as their load steps.
+pub(crate) fn runs_as_long(of: &Model, by: &RunOptions, cheap: &Model, cheap_by: &RunOptions) -> f64 {
+    let work = |m: &Model, o: &RunOptions| -> f64 {
+        m.tests.iter().map(|t| (t.unknowns() as f64).powf(GROWTH) * o.steps(t.test.kind) as f64).sum()
+    };
+    (work(of, by) / work(cheap, cheap_by)).max(1.0)
+}
+
 /// Searches on the cheap mesh between two runs on the given one: they need not end closer than the next run moves them.
 const INNER_TOLERANCE: f64 = 1e-4;
 const INNER_INSIGNIFICANT: f64 = 0.05;
@@ -33,7 +45,7 @@ const INNER_STEPS: usize = 16;
 
 /// Rounds by runs with all load steps, after those with half of them: the first of them brings most of the few units of χ²
 /// that the other steps are worth.
-pub(super) const LAST_ROUNDS: usize = 1;
+pub(super) const LAST_ROUNDS: usize = 4;
 
 /// Rounds of a stage that stalled: a model that misses the tear by far is not told apart from others by the rest.
 pub(super) const STALLED_ROUNDS: usize = 5;
@@ -191,7 +203,8 @@ impl<'a> Work<'a> {
             max_trials: COARSE_TRIALS,
             ..fit_options.clone()
         };
-        let mapped = MappedOptions { outer: fit_options.clone(), inner, settled: INSIGNIFICANT };
+        let ratio = cheap.map_or(1.0, |m| runs_as_long(model, &options, m, &self.search));
+        let mapped = MappedOptions { outer: fit_options.clone(), inner, settled: INSIGNIFICANT, ratio };
         let (progress, history) = (self.control.progress, &mut self.history);
         let pausing = self.pausing && !coarse && beside.is_some();
         let mut before: Option<TearMisfit> = None;

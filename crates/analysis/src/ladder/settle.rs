@@ -4,7 +4,7 @@ use super::begin::with_effects_at;
 use super::{FeLadder, Fitted, named};
 use crate::columns::transfer;
 use crate::correction::Correction;
-use crate::identify::{AnalysisError, fewer_steps, run_options};
+use crate::identify::{AnalysisError, fewer_steps, run_options, runs_as_long};
 use crate::journal::{Asked, remembered};
 use crate::problem::FeProblem;
 use inverse::{FitOptions, Iterate, MappedOptions, Objective, PredictError, Problem as _, quality};
@@ -126,7 +126,8 @@ impl FeLadder<'_> {
         let outer =
             FitOptions { objective: Objective::Record, max_iterations: rounds, ..FitOptions::default() };
         let inner = FitOptions { max_iterations: 16, tolerance: 1e-4, ..outer.clone() };
-        let how = MappedOptions { outer, inner, settled: SETTLED };
+        let ratio = runs_as_long(&fine, &options, &model, &self.options);
+        let how = MappedOptions { outer, inner, settled: SETTLED, ratio };
         let name = named(&self.parts_of(&model));
         let say = self.progress;
         let mut told = |i: &Iterate| {
