@@ -37,8 +37,22 @@ pub struct Foreseen {
 impl Foreseen {
     /// Whether records show it where it is of this many standard deviations: at another size than the plausible one.
     pub fn at(&self, snr: f64, policy: &Policy) -> Shown {
-        let critical = self.least.map_or(f64::INFINITY, |l| self.snr * l / self.plausible - NINETY);
-        Shown::of(snr, normal_sf(critical - snr), policy)
+        Shown::of(snr, normal_sf(self.critical() - snr), policy)
+    }
+
+    /// Standard deviations from which on the screen calls it, one time in two.
+    fn critical(&self) -> f64 {
+        self.least.map_or(f64::INFINITY, |l| self.snr * l / self.plausible - NINETY)
+    }
+
+    /// How many times its plausible size it must have to be found one time in two; infinite where no size is.
+    pub fn found_from(&self) -> f64 {
+        self.critical() / self.snr
+    }
+
+    /// How many times its plausible size it must have to be [`Shown::Shown`]; infinite where no size is.
+    pub fn shown_from(&self, policy: &Policy) -> f64 {
+        (self.critical() + NINETY).max(policy.visible_snr) / self.snr
     }
 }
 

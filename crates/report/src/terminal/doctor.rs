@@ -2,12 +2,14 @@
 
 use super::wrap;
 use analysis::{Doctor, Foresight, RecordFindings};
-use diagnose::Shown;
+use diagnose::{Foreseen, Policy, Shown};
 
 /// Columns of a line.
 const WIDTH: usize = 94;
 /// Advice on what would show the rest: that many.
 const ADVISED: usize = 3;
+/// A multiple of a plausible size beyond which nobody asks for its digits.
+const MANY: f64 = 100.0;
 
 /// Lines of the doctor's answer; none where there is no record.
 pub fn doctor_lines(d: &Doctor) -> Vec<String> {
@@ -73,26 +75,36 @@ fn record(r: &RecordFindings) -> String {
 }
 
 fn shows(out: &mut Vec<String>, f: &Foresight) {
-    let names = |how: Shown| {
-        let list: Vec<&str> =
-            f.effects.iter().filter(|e| e.shown == how).map(|e| e.effect.as_str()).collect();
-        if list.is_empty() { "none".to_owned() } else { list.join(", ") }
+    let or_none = |list: String| if list.is_empty() { "none".to_owned() } else { list };
+    let names = |how: Shown, said: &dyn Fn(&Foreseen) -> String| {
+        let list: Vec<String> = f.effects.iter().filter(|e| e.shown == how).map(said).collect();
+        or_none(list.join(", "))
     };
+    let policy = Policy::default();
+    let shown_from = |e: &Foreseen| format!("{} ({})", e.effect, times(e.shown_from(&policy)));
+    let found_from = |e: &Foreseen| format!("{} ({})", e.effect, times(e.found_from()));
     let error = |k: &analysis::Known| format!("{} ±{:.0} %", k.path, 100.0 * k.relative_error);
     let known: Vec<String> = f.parameters.iter().filter(|k| k.known).map(error).collect();
     let open: Vec<&str> = f.parameters.iter().filter(|k| !k.known).map(|k| k.path.as_str()).collect();
-    let or_none = |list: String| if list.is_empty() { "none".to_owned() } else { list };
     push(out, &format!("parameters they fix (standard error): {}", or_none(known.join(", "))));
     push(out, &format!("parameters they leave open: {}", or_none(open.join(", "))));
-    push(out, &format!("effects they show at a plausible size: {}", names(Shown::Shown)));
-    push(out, &format!("effects they may miss: {}", names(Shown::Faint)));
-    push(out, &format!("effects they hide: {}", names(Shown::Hidden)));
+    let shown = names(Shown::Shown, &|e| e.effect.clone());
+    push(out, &format!("effects they show at a plausible size: {shown}"));
+    let faint = names(Shown::Faint, &shown_from);
+    push(out, &format!("effects they may miss at that size (and show from so many times it): {faint}"));
+    let hidden = names(Shown::Hidden, &found_from);
+    push(out, &format!("effects they hide at that size (and find from so many times it, one time in two): {hidden}"));
     for (name, how) in f.hidden.iter().take(ADVISED) {
         push(out, &format!("to show `{name}`: {how}"));
     }
     if f.hidden.len() > ADVISED {
         push(out, "`fct design FILE` weighs protocols and cameras for the rest");
     }
+}
+
+/// A multiple as one reads it.
+fn times(multiple: f64) -> String {
+    if multiple < MANY { format!("{multiple:.1}×") } else { format!("over {MANY:.0}×") }
 }
 
 #[cfg(test)]
