@@ -214,8 +214,8 @@ impl Rounds<'_> {
     /// a reason to stop, if there is one.
     fn round(&mut self, map: &Mapped, observer: Observer, watch: Observer) -> Option<StopReason> {
         let (data, free, outer) = (self.data, self.free, &self.options.outer);
-        let worth = (self.options.settled * outer.worth(data, self.at.f))
-            .max(1e-3 * outer.tolerance * self.at.f);
+        let worth =
+            (self.options.settled * outer.worth(data, self.at.f)).max(1e-3 * outer.tolerance * self.at.f);
         loop {
             let region = within(free, &self.at.theta, self.radius);
             let (mut gain, mut enough) = (Gain::from(self.at.f, self.options.ratio), false);

@@ -38,14 +38,24 @@ pub(crate) fn runs_as_long(of: &Model, by: &RunOptions, cheap: &Model, cheap_by:
     (work(of, by) / work(cheap, cheap_by)).max(1.0)
 }
 
-/// Searches on the cheap mesh between two runs on the given one: they need not end closer than the next run moves them.
-const INNER_TOLERANCE: f64 = 1e-4;
-const INNER_INSIGNIFICANT: f64 = 0.05;
-const INNER_STEPS: usize = 16;
+/// How near rounds on the given mesh come to its optimum.
+struct Near {
+    /// Tolerance, least fall of three steps, and most steps of the searches on the cheap mesh between two runs on the given
+    /// one.
+    tolerance: f64,
+    insignificant: f64,
+    steps: usize,
+    /// A predicted fall of χ² that is not worth a run on the given mesh.
+    settled: f64,
+}
 
-/// Rounds by runs with all load steps, after those with half of them: the first of them brings most of the few units of χ²
-/// that the other steps are worth.
-pub(super) const LAST_ROUNDS: usize = 4;
+/// They need not end closer than the next run moves them.
+const BEFORE: Near = Near { tolerance: 1e-4, insignificant: 0.05, steps: 16, settled: INSIGNIFICANT };
+
+/// The last rounds, by runs with all load steps, along a valley: what ends χ² three above its least is off by nearly two
+/// standard deviations in some direction.
+const LAST: Near = Near { tolerance: 1e-5, insignificant: 0.01, steps: 30, settled: 0.1 };
+pub(super) const LAST_ROUNDS: usize = 10;
 
 /// Rounds of a stage that stalled: a model that misses the tear by far is not told apart from others by the rest.
 pub(super) const STALLED_ROUNDS: usize = 5;
@@ -196,15 +206,16 @@ impl<'a> Work<'a> {
         let options = if self.all_steps { self.options } else { self.search };
         let problem = self.trial(model, &self.theta, free, &measured.slots, options);
         let beside = cheap.map(|m| self.trial(m, &self.theta, free, &measured.slots, self.search));
+        let near = if self.all_steps { LAST } else { BEFORE };
         let inner = FitOptions {
-            tolerance: INNER_TOLERANCE,
-            insignificant: INNER_INSIGNIFICANT,
-            max_iterations: INNER_STEPS,
+            tolerance: near.tolerance,
+            insignificant: near.insignificant,
+            max_iterations: near.steps,
             max_trials: COARSE_TRIALS,
             ..fit_options.clone()
         };
         let ratio = cheap.map_or(1.0, |m| runs_as_long(model, &options, m, &self.search));
-        let mapped = MappedOptions { outer: fit_options.clone(), inner, settled: INSIGNIFICANT, ratio };
+        let mapped = MappedOptions { outer: fit_options.clone(), inner, settled: near.settled, ratio };
         let (progress, history) = (self.control.progress, &mut self.history);
         let pausing = self.pausing && !coarse && beside.is_some();
         let mut before: Option<TearMisfit> = None;

@@ -22,7 +22,12 @@ fn noisy() -> Data {
 
 fn options() -> MappedOptions {
     let outer = FitOptions { tolerance: 1e-12, ..FitOptions::default() };
-    MappedOptions { inner: FitOptions { tolerance: 1e-10, ..outer.clone() }, outer, settled: 1e-8, ratio: 10.0 }
+    MappedOptions {
+        inner: FitOptions { tolerance: 1e-10, ..outer.clone() },
+        outer,
+        settled: 1e-8,
+        ratio: 10.0,
+    }
 }
 
 fn mapped(expensive: &dyn Problem, cheap: &dyn Problem, data: &Data, free: &[Free]) -> Result<Fit, FitError> {

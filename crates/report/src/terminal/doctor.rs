@@ -93,7 +93,12 @@ fn shows(out: &mut Vec<String>, f: &Foresight) {
     let faint = names(Shown::Faint, &shown_from);
     push(out, &format!("effects they may miss at that size (and show from so many times it): {faint}"));
     let hidden = names(Shown::Hidden, &found_from);
-    push(out, &format!("effects they hide at that size (and find from so many times it, one time in two): {hidden}"));
+    push(
+        out,
+        &format!(
+            "effects they hide at that size (and find from so many times it, one time in two): {hidden}"
+        ),
+    );
     for (name, how) in f.hidden.iter().take(ADVISED) {
         push(out, &format!("to show `{name}`: {how}"));
     }
