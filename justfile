@@ -164,6 +164,11 @@ hostile:
 doctor-practice:
     cargo run --release -p workspace-tests --example doctor_practice -- ../shared/practice
 
+# Which parameters it promises, beside what the answers of `discover` know (docs/reliability.md); RUNS holds its run
+# directories, each named as its case.
+doctor-parameters RUNS:
+    cargo run --release -p workspace-tests --example doctor_parameters -- ../shared/practice {{RUNS}}
+
 # The power and the standard errors that `fct design` promises, against noisy repeats (docs/reliability.md). Seven minutes; `FCT_REPEATS=300` for more draws.
 design-power:
     cargo test --workspace --lib design::repeats:: -- --ignored --nocapture --test-threads 1

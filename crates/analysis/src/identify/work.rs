@@ -55,7 +55,7 @@ const BEFORE: Near = Near { tolerance: 1e-4, insignificant: 0.05, steps: 16, set
 /// The last rounds, by runs with all load steps, along a valley: what ends χ² three above its least is off by nearly two
 /// standard deviations in some direction.
 const LAST: Near = Near { tolerance: 1e-5, insignificant: 0.01, steps: 30, settled: 0.1 };
-pub(super) const LAST_ROUNDS: usize = 10;
+pub(super) const LAST_ROUNDS: usize = 5;
 
 /// Rounds of a stage that stalled: a model that misses the tear by far is not told apart from others by the rest.
 pub(super) const STALLED_ROUNDS: usize = 5;
