@@ -253,6 +253,11 @@ mod tests {
             let least = f.snr * f.least.unwrap() / f.plausible;
             assert_eq!(f.at(0.99 * least, &policy), Shown::Faint, "{}: called with less than 90 %", f.effect);
             assert!(least < policy.visible_snr, "{least}");
+            // Multiples of the plausible size.
+            let times = |multiple: f64| f.at(multiple * f.snr, &policy);
+            let (found, shown) = (f.found_from(), f.shown_from(&policy));
+            assert_eq!((times(0.999 * found), times(1.001 * found)), (Shown::Hidden, Shown::Faint));
+            assert_eq!((times(0.999 * shown), times(1.001 * shown)), (Shown::Faint, Shown::Shown));
             assert_eq!(f.at(1.01 * least, &policy), Shown::Faint, "called, not yet visible");
             assert_eq!(f.at(1.01 * policy.visible_snr, &policy), Shown::Shown);
             assert_eq!(f.at(least - 2.0 * NINETY, &policy), Shown::Hidden);

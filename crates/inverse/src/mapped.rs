@@ -7,90 +7,10 @@
 //! inside a trust region: Alexandrov, Lewis, Gumbert, Green & Newman 2001, doi:10.2514/2.2877.
 
 use crate::fit::{fit, objective};
+use crate::gain::Gain;
+use crate::map::Mapped;
 use crate::{Data, Fit, FitError, FitOptions, Free, Iterate, PredictError, Prediction, Problem, StopReason};
-use nalgebra::{DMatrix, DVector};
 use std::ops::ControlFlow;
-
-/// The cheap model, equal to the expensive one at the anchor to first order.
-pub struct Mapped<'a> {
-    cheap: &'a dyn Problem,
-    free: &'a [Free],
-    anchor: DVector<f64>,
-    shift: DVector<f64>,
-    /// Difference of the jacobians by z, n × p.
-    slope: DMatrix<f64>,
-    valid: Option<Vec<bool>>,
-    /// The expensive model at the anchor, where every fit of the map begins, with the jacobian that steps are taken by.
-    there: Option<(Vec<f64>, Prediction)>,
-}
-
-fn transformed(free: &[Free], theta: &[f64]) -> DVector<f64> {
-    DVector::from_iterator(free.len(), free.iter().zip(theta).map(|(f, &x)| f.forward(x)))
-}
-
-/// Points that both predictions hold for smooth.
-fn both(a: Option<&Vec<bool>>, b: Option<&Vec<bool>>) -> Option<Vec<bool>> {
-    match (a, b) {
-        (Some(a), Some(b)) => Some(a.iter().zip(b).map(|(a, b)| *a && *b).collect()),
-        (one, other) => one.or(other).cloned(),
-    }
-}
-
-impl<'a> Mapped<'a> {
-    /// The map at `theta`, where the expensive model predicts `expensive` (with its jacobian). Points at which either
-    /// model jumps keep the cheap model's slope.
-    ///
-    /// # Errors
-    /// [`PredictError`] when the cheap model cannot be computed there.
-    pub fn at(
-        cheap: &'a dyn Problem,
-        free: &'a [Free],
-        theta: &[f64],
-        expensive: &Prediction,
-    ) -> Result<Self, PredictError> {
-        let own = cheap.predict(theta, true)?;
-        let valid = both(expensive.valid.as_ref(), own.valid.as_ref());
-        let mut slope = match (&expensive.jacobian, &own.jacobian) {
-            (Some(f), Some(c)) => f - c,
-            _ => DMatrix::zeros(own.values.len(), free.len()),
-        };
-        for (k, f) in free.iter().enumerate() {
-            slope.column_mut(k).scale_mut(f.transform.slope(theta[k]));
-        }
-        let jumps = valid.iter().flatten().enumerate().filter(|(_, v)| !**v);
-        jumps.for_each(|(i, _)| slope.row_mut(i).fill(0.0));
-        let shift = &expensive.values - &own.values;
-        let mut map =
-            Self { cheap, free, anchor: transformed(free, theta), shift, slope, valid, there: None };
-        let there = map.put_right(theta, own);
-        map.there = Some((theta.to_vec(), there));
-        Ok(map)
-    }
-
-    /// The cheap model's prediction as the map's.
-    fn put_right(&self, theta: &[f64], mut p: Prediction) -> Prediction {
-        p.values += &self.shift + &self.slope * (transformed(self.free, theta) - &self.anchor);
-        if let Some(j) = &mut p.jacobian {
-            for (k, f) in self.free.iter().enumerate() {
-                let slope = f.transform.slope(theta[k]);
-                if slope != 0.0 {
-                    j.column_mut(k).axpy(1.0 / slope, &self.slope.column(k), 1.0);
-                }
-            }
-        }
-        p.valid = both(p.valid.as_ref(), self.valid.as_ref());
-        p
-    }
-}
-
-impl Problem for Mapped<'_> {
-    fn predict(&self, theta: &[f64], jacobian: bool) -> Result<Prediction, PredictError> {
-        match &self.there {
-            Some((at, p)) if at == theta => Ok(p.clone()),
-            _ => Ok(self.put_right(theta, self.cheap.predict(theta, jacobian)?)),
-        }
-    }
-}
 
 /// How a mapped fit goes.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,6 +24,8 @@ pub struct MappedOptions {
     pub settled: f64,
     /// Runs of the cheap model that take as long as one of the expensive.
     pub ratio: f64,
+    /// The trust region to begin with, in natural scales; infinite where nothing is known of where the map holds.
+    pub radius: f64,
 }
 
 /// Rejections in a row that end the fit.
@@ -113,39 +35,6 @@ const SHRINK: f64 = 0.4;
 /// Share of a predicted fall from which on the radius grows, and below which it shrinks.
 const GOOD: f64 = 0.75;
 const POOR: f64 = 0.25;
-
-/// What a round has gained and taken so far, its steps being taken on the map.
-///
-/// A round ends where its next step gains less for a run than the round has gained for each of its own, that of the
-/// expensive model at its end among them (Charnov's marginal value theorem, 1976, doi:10.1016/0040-5809(76)90040-X): further
-/// steps along a valley gain little, and lead where the map does not hold.
-struct Gain {
-    begun: f64,
-    last: f64,
-    /// Runs of the cheap model: of the round, the expensive model's counted in; since the last step.
-    runs: f64,
-    since: f64,
-}
-
-impl Gain {
-    const fn from(f: f64, expensive: f64) -> Self {
-        Self { begun: f, last: f, runs: expensive, since: 0.0 }
-    }
-
-    /// Whether the round is to end at this iterate; not before it gained `least`.
-    fn is_enough(&mut self, i: &Iterate, least: f64) -> bool {
-        if i.iteration == 0 {
-            return false;
-        }
-        self.runs += 1.0;
-        self.since += 1.0;
-        let Some(f) = i.f.filter(|_| i.accepted) else { return false };
-        let (whole, step) = (self.begun - f, self.last - f);
-        let little = step / self.since < whole / self.runs;
-        (self.last, self.since) = (f, 0.0);
-        whole >= least && little
-    }
-}
 
 /// Who hears of runs, and may end the fit.
 type Observer<'a> = &'a mut dyn FnMut(&Iterate) -> ControlFlow<()>;
@@ -193,7 +82,7 @@ pub fn fit_mapped(
         return Ok(first);
     }
     let at = Place { theta: first.theta, f: first.f, prediction: first.prediction };
-    let (radius, history) = (f64::INFINITY, first.history);
+    let (radius, history) = (options.radius, first.history);
     let mut fit =
         Rounds { expensive, data, free, options, at, radius, rejected: 0, rounds: 0, runs: 1, history };
     while fit.rounds < options.outer.max_iterations {

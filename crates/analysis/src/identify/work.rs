@@ -47,14 +47,17 @@ struct Near {
     steps: usize,
     /// A predicted fall of χ² that is not worth a run on the given mesh.
     settled: f64,
+    /// The trust region to begin with.
+    radius: f64,
 }
 
 /// They need not end closer than the next run moves them.
-const BEFORE: Near = Near { tolerance: 1e-4, insignificant: 0.05, steps: 16, settled: INSIGNIFICANT };
+const BEFORE: Near =
+    Near { tolerance: 1e-4, insignificant: 0.05, steps: 16, settled: INSIGNIFICANT, radius: f64::INFINITY };
 
 /// The last rounds, by runs with all load steps, along a valley: what ends χ² three above its least is off by nearly two
 /// standard deviations in some direction.
-const LAST: Near = Near { tolerance: 1e-5, insignificant: 0.01, steps: 30, settled: 0.1 };
+const LAST: Near = Near { tolerance: 1e-5, insignificant: 0.01, steps: 30, settled: 0.1, radius: 0.1 };
 pub(super) const LAST_ROUNDS: usize = 5;
 
 /// Rounds of a stage that stalled: a model that misses the tear by far is not told apart from others by the rest.
@@ -215,7 +218,13 @@ impl<'a> Work<'a> {
             ..fit_options.clone()
         };
         let ratio = cheap.map_or(1.0, |m| runs_as_long(model, &options, m, &self.search));
-        let mapped = MappedOptions { outer: fit_options.clone(), inner, settled: near.settled, ratio };
+        let mapped = MappedOptions {
+            outer: fit_options.clone(),
+            inner,
+            settled: near.settled,
+            ratio,
+            radius: near.radius,
+        };
         let (progress, history) = (self.control.progress, &mut self.history);
         let pausing = self.pausing && !coarse && beside.is_some();
         let mut before: Option<TearMisfit> = None;

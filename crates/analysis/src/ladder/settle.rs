@@ -127,7 +127,7 @@ impl FeLadder<'_> {
             FitOptions { objective: Objective::Record, max_iterations: rounds, ..FitOptions::default() };
         let inner = FitOptions { max_iterations: 16, tolerance: 1e-4, ..outer.clone() };
         let ratio = runs_as_long(&fine, &options, &model, &self.options);
-        let how = MappedOptions { outer, inner, settled: SETTLED, ratio };
+        let how = MappedOptions { outer, inner, settled: SETTLED, ratio, radius: f64::INFINITY };
         let name = named(&self.parts_of(&model));
         let say = self.progress;
         let mut told = |i: &Iterate| {

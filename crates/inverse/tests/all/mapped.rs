@@ -147,3 +147,29 @@ fn who_watches_may_stop_it() {
     let outer = fit_mapped(&expensive, &cheap, &data, &free, &options(), &mut stop, &mut go).expect("a fit");
     assert_eq!(outer.stop, StopReason::Stopped);
 }
+
+/// A model that keeps where it was computed.
+struct Kept<P>(P, std::sync::Mutex<Vec<Vec<f64>>>);
+
+impl<P: Problem> Problem for Kept<P> {
+    fn predict(&self, theta: &[f64], jacobian: bool) -> Result<Prediction, PredictError> {
+        self.1.lock().expect("a lock").push(theta.to_vec());
+        self.0.predict(theta, jacobian)
+    }
+}
+
+#[test]
+fn a_round_computes_the_cheap_model_once_at_its_anchor() {
+    let (data, free) = (noisy(), exponential_free());
+    let cheap = Kept(Toy(40, coarse), std::sync::Mutex::default());
+    let end = mapped(&Toy(40, exponential), &cheap, &data, &free).expect("a fit");
+    let places = cheap.1.into_inner().expect("a lock");
+    let again = (1..places.len()).filter(|&k| places[..k].contains(&places[k])).count();
+    // An anchor is where the round before it ended: computed there, and once more as the map's.
+    assert!(
+        end.iterations > 1 && again <= end.iterations,
+        "{again} of {} in {}",
+        places.len(),
+        end.iterations
+    );
+}
