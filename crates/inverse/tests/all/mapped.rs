@@ -27,6 +27,7 @@ fn options() -> MappedOptions {
         outer,
         settled: 1e-8,
         ratio: 10.0,
+        radius: f64::INFINITY,
     }
 }
 
