@@ -54,7 +54,7 @@ impl Counts {
         let shows = doctor(&read, &catalogue, true, &|| false);
         let foresight = shows.shows.ok_or_else(|| shows.shows_not.unwrap_or_default())?;
         let truth = json(&case.join("truth.json"))?;
-        let answer = last_rung(run)?;
+        let answer = answers_page(run)?;
         let list = answer["parameters"].as_array().ok_or("no parameters")?;
         let mut counts = Self::default();
         for promised in &foresight.parameters {
@@ -104,8 +104,8 @@ fn json(file: &Path) -> Result<Value, Box<dyn Error>> {
     Ok(serde_json::from_str(&text)?)
 }
 
-/// The answer's page of a search: its last rung.
-fn last_rung(run: &Path) -> Result<Value, Box<dyn Error>> {
+/// The answer's page of a search: its last model.
+fn answers_page(run: &Path) -> Result<Value, Box<dyn Error>> {
     let count = (0..).take_while(|k| run.join(format!("rungs/{k}")).is_dir()).count();
     json(&run.join(format!("rungs/{}/summary.json", count.saturating_sub(1))))
 }
