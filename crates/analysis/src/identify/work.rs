@@ -56,7 +56,8 @@ const BEFORE: Near =
     Near { tolerance: 1e-4, insignificant: 0.05, steps: 16, settled: INSIGNIFICANT, radius: f64::INFINITY };
 
 /// The last rounds, by runs with all load steps, along a valley: what ends χ² three above its least is off by nearly two
-/// standard deviations in some direction.
+/// standard deviations in some direction. Begun with an unlimited region, the first of them is rejected; how many, and how
+/// near, was chosen on FCT3, FCT4 and a strip that lacks nothing (docs/decisions/mapped-search.md).
 const LAST: Near = Near { tolerance: 1e-5, insignificant: 0.01, steps: 30, settled: 0.1, radius: 0.1 };
 pub(super) const LAST_ROUNDS: usize = 5;
 

@@ -86,7 +86,8 @@ fn shows(out: &mut Vec<String>, f: &Foresight) {
     let error = |k: &analysis::Known| format!("{} ±{:.0} %", k.path, 100.0 * k.relative_error);
     let known: Vec<String> = f.parameters.iter().filter(|k| k.known).map(error).collect();
     let open: Vec<&str> = f.parameters.iter().filter(|k| !k.known).map(|k| k.path.as_str()).collect();
-    push(out, &format!("parameters they fix (standard error): {}", or_none(known.join(", "))));
+    let known = or_none(known.join(", "));
+    push(out, &format!("parameters they fix (standard error by noise alone, no effect present): {known}"));
     push(out, &format!("parameters they leave open: {}", or_none(open.join(", "))));
     let shown = names(Shown::Shown, &|e| e.effect.clone());
     push(out, &format!("effects they show at a plausible size: {shown}"));
