@@ -17,14 +17,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     cases.sort();
     println!(
         "| case | fixed, by `check` | of these known by the answer | open, by `check` | of these open | error found over \
-         promised, in the middle | truth inside, of the fixed |"
+         promised, in the middle | over that by noise alone | truth inside, of the fixed |"
     );
-    println!("|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|");
     let mut all = Counts::default();
     for case in cases {
         let name = case.file_name().unwrap_or_default().to_string_lossy().into_owned();
         if !runs.join(&name).is_dir() {
-            println!("| {name} | no run | | | | | |");
+            println!("| {name} | no run | | | | | | |");
             continue;
         }
         let counts = Counts::of(&case, &runs.join(&name))?;
@@ -44,7 +44,8 @@ struct Counts {
     left_open: usize,
     compared: usize,
     inside: usize,
-    ratios: Vec<f64>,
+    /// Standard errors found over those promised, and over those by noise alone.
+    ratios: [Vec<f64>; 2],
 }
 
 impl Counts {
@@ -60,7 +61,10 @@ impl Counts {
         for promised in &foresight.parameters {
             let Some(found) = list.iter().find(|p| p["path"] == promised.path.as_str()) else { continue };
             let identifiable = found["identifiable"] == true;
-            if !promised.known {
+            // What the answer's effects open is promised to be open beside them.
+            let mut with = answer["effects"].as_array().into_iter().flatten().filter_map(Value::as_str);
+            let opened = with.any(|e| promised.open_beside.iter().any(|o| o == e));
+            if !promised.known || opened {
                 counts.open += 1;
                 counts.left_open += usize::from(!identifiable);
                 continue;
@@ -68,7 +72,9 @@ impl Counts {
             counts.fixed += 1;
             counts.known += usize::from(identifiable);
             if let (Some(error), Some(value)) = (found["std_error"].as_f64(), found["value"].as_f64()) {
-                counts.ratios.push((error / value).abs() / promised.relative_error);
+                let found = (error / value).abs();
+                counts.ratios[0].push(found / promised.relative_error);
+                counts.ratios[1].push(found / promised.by_noise);
             }
             let end = |k: usize| found["interval_95"][k].as_f64();
             let true_value = hidden(&truth, read.interface.areas, &promised.path);
@@ -87,15 +93,23 @@ impl Counts {
         self.left_open += other.left_open;
         self.compared += other.compared;
         self.inside += other.inside;
-        self.ratios.extend(other.ratios);
+        for (all, one) in self.ratios.iter_mut().zip(other.ratios) {
+            all.extend(one);
+        }
     }
 
     fn line(&self, name: &str) -> String {
-        let mut ratios = self.ratios.clone();
-        ratios.sort_by(f64::total_cmp);
-        let middle = ratios.get(ratios.len() / 2).map_or("–".into(), |r| format!("{r:.2}"));
+        let middle = |ratios: &Vec<f64>| {
+            let mut sorted = ratios.clone();
+            sorted.sort_by(f64::total_cmp);
+            sorted.get(sorted.len() / 2).map_or("–".into(), |r| format!("{r:.2}"))
+        };
+        let [over_promised, over_noise] = self.ratios.each_ref().map(middle);
         let Self { fixed, known, open, left_open, compared, inside, .. } = self;
-        format!("| {name} | {fixed} | {known} | {open} | {left_open} | {middle} | {inside} of {compared} |")
+        format!(
+            "| {name} | {fixed} | {known} | {open} | {left_open} | {over_promised} | {over_noise} | {inside} of \
+             {compared} |"
+        )
     }
 }
 

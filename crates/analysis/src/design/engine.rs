@@ -3,6 +3,7 @@
 //! Everything is linear in the effect and in the base parameters, as the screen itself is; the power it promises is that
 //! of the screen's test at its own threshold, with the noise of the records.
 
+use super::known::{Known, Sums, less_known};
 use crate::columns::Base;
 use crate::data::Measured;
 use crate::identify::{AnalysisError, coarser, free_parameters};
@@ -20,27 +21,13 @@ use std::sync::Arc;
 const AREAS: usize = 3;
 /// How much coarser than the given mesh; less where a strip is too small for that.
 const COARSEN: [f64; 3] = [4.0, 2.0, 1.0];
-/// A parameter is known when its standard error is below this share of it.
-const KNOWN: f64 = 0.35;
-
-/// How well a base parameter would be known.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Known {
-    /// Path.
-    pub path: String,
-    /// Guessed value.
-    pub value: f64,
-    /// Standard error as a share of the value.
-    pub relative_error: f64,
-    /// Whether that is a measurement and not a guess.
-    pub known: bool,
-}
-
 /// What records would show.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Foresight {
     /// The base parameters, no effect present.
     pub parameters: Vec<Known>,
+    /// Whether their standard errors count the numerical error of the file's mesh.
+    pub counts_mesh: bool,
     /// The catalogue, most visible first.
     pub effects: Vec<Foreseen>,
     /// Effects that would need something else to show: name, and what its card says.
@@ -58,15 +45,21 @@ pub(super) struct Linear {
     all: Vec<f64>,
 }
 
-/// The case as it is looked at here: few areas, a coarse mesh.
-pub(super) fn simple(case: &Case) -> (Case, Vec<Discretisation>) {
-    let (mut out, how) = coarser(case);
-    if out.mesh.divisions.is_none() {
-        out.mesh.layers = 1;
-    }
+/// The case with few areas.
+pub(super) fn few_areas(case: &Case) -> Case {
+    let mut out = case.clone();
     out.interface.areas = out.interface.areas.min(AREAS);
     for list in [&mut out.interface.gc, &mut out.interface.sigma_c] {
         list.truncate(out.interface.areas);
+    }
+    out
+}
+
+/// The case as it is looked at here, with the meshes to try, the coarsest first.
+fn simple(case: &Case) -> (Case, Vec<Discretisation>) {
+    let (mut out, how) = coarser(case);
+    if out.mesh.divisions.is_none() {
+        out.mesh.layers = 1;
     }
     let coarsen = |c| Discretisation { coarsen: c, ..how };
     let list = match case.mesh.divisions {
@@ -76,8 +69,13 @@ pub(super) fn simple(case: &Case) -> (Case, Vec<Discretisation>) {
     (out, list)
 }
 
-/// The coarsest model that the strip allows.
+/// The coarsest model with few areas that the strip allows.
 pub(super) fn model_of(case: &Case, catalogue: &Catalogue) -> Result<(Model, Discretisation), AnalysisError> {
+    coarsest(&few_areas(case), catalogue)
+}
+
+/// The coarsest model that the strip allows.
+pub(super) fn coarsest(case: &Case, catalogue: &Catalogue) -> Result<(Model, Discretisation), AnalysisError> {
     let (simple, list) = simple(case);
     let simple = Arc::new(simple);
     let mut last = None;
@@ -163,16 +161,21 @@ impl Linear {
 
     /// Whitened at the prediction itself: nothing is missed yet. `camera`: camera channels count.
     pub fn white(&self, camera: bool) -> Whitened {
+        self.unmissed((&self.free_parameters, &self.theta), &self.prediction, camera)
+    }
+
+    /// The same with other priors and values, and a prediction of another mesh.
+    fn unmissed(&self, (list, theta): (&[Free], &[f64]), prediction: &Prediction, camera: bool) -> Whitened {
         let mut data = self.measured.data.clone();
         data.held_out = vec![false; data.points()];
         for (block, slot) in data.blocks.iter_mut().zip(&self.measured.slots) {
-            let values = self.prediction.values.rows(block.range.start, block.range.len());
+            let values = prediction.values.rows(block.range.start, block.range.len());
             block.measured = values.iter().copied().collect();
             if slot.channel != model::Channel::Force && !camera {
                 data.held_out[block.range.clone()].fill(true);
             }
         }
-        Whitened::new(&data, &self.free_parameters, &self.theta, &self.prediction, Noise::Record)
+        Whitened::new(&data, list, theta, prediction, Noise::Record)
     }
 
     /// Parameters that stand at a bound.
@@ -195,6 +198,7 @@ impl Linear {
             .map_err(|e| AnalysisError::Case(e.to_string()))
     }
 
+    /// What the records would show: parameters as a diagnosis sees them, with what the literature lets one expect.
     pub fn foresight(
         &self,
         catalogue: &Catalogue,
@@ -212,25 +216,54 @@ impl Linear {
             .filter(|e| !e.card().negative_control)
             .map(|e| (e.card().name.to_owned(), e.card().separated_by.to_owned()))
             .collect();
-        Ok(Foresight { parameters: self.known(&white), effects, hidden })
+        let parameters = Sums::new(&white, Vec::new())
+            .known((&self.free_parameters, &self.theta), &self.beside_which(&effects));
+        Ok(Foresight { parameters, counts_mesh: false, effects, hidden })
     }
 
-    fn known(&self, white: &Whitened) -> Vec<Known> {
-        let p = self.free_parameters.len();
-        let hessian = white.jacobian.tr_mul(&white.jacobian) + DMatrix::identity(p, p) * 1e-12;
-        let covariance = hessian.try_inverse().unwrap_or_else(|| DMatrix::from_element(p, p, f64::INFINITY));
-        let one = |(k, f): (usize, &Free)| {
-            let sd = covariance[(k, k)].max(0.0).sqrt();
-            let relative = (f.transform.slope(self.theta[k]) * sd / self.theta[k]).abs();
-            let learned = f.prior.is_none_or(|prior| sd < 0.7 * prior.sd);
-            Known {
-                path: f.path.clone(),
-                value: self.theta[k],
-                relative_error: relative,
-                known: relative <= KNOWN && learned,
-            }
+    /// The same with the parameters as an identification sees them: by the file's priors alone, with the error of its mesh
+    /// where that is known, as badly as at the worst of the look's own values and a second place (values and what the model
+    /// says there).
+    pub fn foresight_of_fits(
+        &self,
+        (catalogue, policy): (&Catalogue, &Policy),
+        case: &Case,
+        mesh_error: Option<&DVector<f64>>,
+        second: Option<(Vec<f64>, Prediction)>,
+    ) -> Result<Foresight, AnalysisError> {
+        let plain = |f: &Free| Free { prior: None, ..f.clone() };
+        let mut list: Vec<Free> = self.free_parameters.iter().map(plain).collect();
+        crate::priors::add(&mut list, case, false);
+        let foresight = self.foresight(catalogue, policy, true)?;
+        let beside = self.beside_which(&foresight.effects);
+        let at = |theta: &[f64], prediction: &Prediction| {
+            let white = self.unmissed((&list, theta), prediction, true);
+            let mesh = mesh_error.map_or_else(Vec::new, |e| self.by_block(e, &white));
+            Sums::new(&white, mesh).known((&list, theta), &beside)
         };
-        self.free_parameters.iter().enumerate().map(one).collect()
+        let mut parameters = at(&self.theta, &self.prediction);
+        if let Some((theta, prediction)) = &second {
+            parameters = less_known(parameters, at(theta, prediction));
+        }
+        Ok(Foresight { parameters, counts_mesh: mesh_error.is_some(), ..foresight })
+    }
+
+    /// Candidates that the records show at a plausible size, or may.
+    fn beside_which(&self, effects: &[Foreseen]) -> Vec<&Candidate> {
+        let shown = effects.iter().filter(|e| e.shown != Shown::Hidden);
+        shown.filter_map(|e| self.candidates.iter().find(|c| c.effect == e.effect)).collect()
+    }
+
+    /// Whitened columns that are the error in one block and nothing elsewhere: how large it is in one says nothing of the
+    /// others.
+    fn by_block(&self, error: &DVector<f64>, white: &Whitened) -> Vec<DVector<f64>> {
+        let one = |block: &inverse::Block| {
+            let mut column = DVector::zeros(error.len());
+            let (start, n) = (block.range.start, block.range.len());
+            column.rows_mut(start, n).copy_from(&error.rows(start, n));
+            white.column(&column)
+        };
+        self.measured.data.blocks.iter().map(one).collect()
     }
 
     /// Chance that the wrong one of two effects is told from the right one: the less of either truth, each at its plausible

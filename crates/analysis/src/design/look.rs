@@ -1,12 +1,15 @@
 //! A look at records in seconds: the base fitted roughly on a coarse mesh, and the catalogue's columns there.
 
-use super::engine::{Foresight, LOOK, Linear, linear, model_of};
+use super::besides::{mesh_error, with_equal_areas};
+use super::engine::{Foresight, LOOK, Linear, coarsest, linear, model_of};
 use super::guess::{fitted_roughly, guessed, with_strength};
 use crate::data::Measured;
 use crate::identify::AnalysisError;
 use crate::problem::Cancelled;
+use crate::start::Start;
 use diagnose::Policy;
 use input::Case;
+use inverse::PredictError;
 use model::Catalogue;
 use std::sync::Arc;
 
@@ -17,16 +20,20 @@ const TOLD: usize = 3;
 /// Share of χ² that an effect must take away to be told: the coarse mesh and the rough fit leave misfits of their own.
 const STANDS_OUT: f64 = 0.2;
 
-/// The base where the records put it roughly, with the catalogue's columns.
+/// The base where the records put it roughly, with the catalogue's columns. The rough fit has few areas; what is asked
+/// there has all, or the tear would be better known than it is.
 fn at_records(case: &Case, catalogue: &Catalogue, cancelled: Cancelled) -> Result<Linear, AnalysisError> {
-    let (model, how) = model_of(case, catalogue)?;
-    let measured = Measured::conservative(&model, &model.recorded())?;
+    let (model, _) = model_of(case, catalogue)?;
+    let (whole, how) = coarsest(case, catalogue)?;
+    let measured = Measured::conservative(&whole, &whole.recorded())?;
     let guess = guessed(&model);
+    let mut few = Start { theta: guess.clone(), model };
     let mut last = None;
     for share in STRENGTHS {
-        let theta = with_strength(&model, &guess, share);
-        let theta = fitted_roughly(&model, &theta, &measured, cancelled);
-        match linear(&model, (how, LOOK), &theta, measured.clone(), catalogue, cancelled) {
+        let theta = with_strength(&few.model, &guess, share);
+        few.theta = fitted_roughly(&few.model, &theta, &measured, cancelled);
+        let theta = few.spread_from(&whole, &whole.theta());
+        match linear(&whole, (how, LOOK), &theta, measured.clone(), catalogue, cancelled) {
             Ok(linear) => return Ok(linear),
             Err(e) if cancelled.stops() => return Err(e),
             Err(e) => last = Some(e),
@@ -41,7 +48,14 @@ pub(crate) fn foresight_of_records(
     catalogue: &Catalogue,
     cancelled: Cancelled,
 ) -> Result<Foresight, AnalysisError> {
-    at_records(&crate::condensed(case), catalogue, cancelled)?.foresight(catalogue, &Policy::default(), true)
+    let case = crate::condensed(case);
+    let linear = at_records(&case, catalogue, cancelled)?;
+    let error = mesh_error(&case, catalogue, &linear, cancelled);
+    let equal = with_equal_areas(&case, catalogue, &linear, cancelled);
+    if cancelled.stops() {
+        return Err(PredictError::Interrupted.into());
+    }
+    linear.foresight_of_fits((catalogue, &Policy::default()), &case, error.as_ref(), equal)
 }
 
 /// Which effects would take most of the misfit away, as a sentence: what a search says first, long before it knows.

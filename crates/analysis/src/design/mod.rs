@@ -1,16 +1,19 @@
 //! Before the test: which protocol would show what, on a strip of this geometry with a tissue of about this kind.
 
+mod besides;
 mod engine;
 mod full;
 mod guess;
+mod known;
 mod look;
 mod program;
 #[cfg(test)]
 mod repeats;
 mod table;
 
-pub use engine::{Foresight, Known};
+pub use engine::Foresight;
 pub use full::Confirmed;
+pub use known::Known;
 pub use look::first_look;
 pub(crate) use look::foresight_of_records;
 

@@ -9,6 +9,7 @@ mod history_carry_over;
 mod interrupted;
 mod intervals;
 mod neutral;
+mod promised;
 mod rate_dependent_holds;
 mod recovered;
 mod sampling;

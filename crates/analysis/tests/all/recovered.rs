@@ -3,10 +3,10 @@
 
 use crate::small;
 
-use analysis::{Control, DataBlock, FeProblem, Identified, identify, run_options, scales};
+use analysis::{Control, Identified, identify, scales};
 use input::{Case, EffectConfig, Value};
-use inverse::{Problem as _, Random};
-use model::{Catalogue, Channel, Discretisation, Effect, Model};
+use inverse::Random;
+use model::{Catalogue, Discretisation, Effect, Model};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -67,31 +67,6 @@ fn with(case: &Case, effect: &Arc<dyn Effect>, values: &[f64]) -> Case {
     with
 }
 
-/// Forces of a case, tests one after the other.
-fn forces(case: &Case, catalogue: &Catalogue) -> Vec<Vec<f64>> {
-    let model = Model::new(Arc::new(case.clone()), catalogue, Discretisation::default()).expect("a model");
-    let rows = |t: &input::Test| (0..t.record.as_ref().map_or(0, input::Record::len)).collect();
-    let slots: Vec<DataBlock> = (0..case.tests.len())
-        .map(|test| DataBlock { test, channel: Channel::Force, rows: rows(&case.tests[test]) })
-        .collect();
-    let problem = FeProblem::new(&model, model.theta(), Vec::new(), &slots, run_options(case), &|| false);
-    let all = problem.predict(&[], false).unwrap_or_else(|e| panic!("{:?}: {e}", model.effects())).values;
-    let mut all = all.iter().copied();
-    slots.iter().map(|s| all.by_ref().take(s.rows.len()).collect()).collect()
-}
-
-/// Puts noisy forces into the records.
-fn record(case: &mut Case, forces: &[Vec<f64>], random: &mut Random) {
-    for (t, f) in case.tests.iter_mut().zip(forces) {
-        let sd = NOISE * f.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-        let noise = random.ar1(f.len(), sd, 0.0);
-        t.force_sd = Some(sd);
-        if let Some(r) = &mut t.record {
-            r.force = f.iter().zip(noise.iter()).map(|(f, n)| f + n).collect();
-        }
-    }
-}
-
 /// What an identification says of an amplitude.
 struct Recovered {
     name: &'static str,
@@ -128,7 +103,7 @@ fn recovered(base: &Case, catalogue: &Catalogue, effect: &Arc<dyn Effect>, seed:
     let mut begun = values.clone();
     begun[0] = neutral + BEGIN * (values[0] - neutral);
     let mut fit = with(base, effect, &begun);
-    record(&mut fit, &forces(&truth, catalogue), &mut Random::new(seed));
+    small::record(&mut fit, &small::forces(&truth, catalogue), NOISE, &mut Random::new(seed));
     let control = Control { progress: &|_| {}, cancelled: &|| false, journal: &analysis::NoJournal };
     let found: Identified =
         identify(Arc::new(fit), catalogue, &control).unwrap_or_else(|e| panic!("{name}: {e}"));
@@ -155,7 +130,7 @@ fn all(values: Base, seed: u64) -> Vec<Recovered> {
     let catalogue = effects::catalogue();
     // Forces that give the effects their sizes.
     let mut base = base(&catalogue, values);
-    let clean = forces(&base, &catalogue);
+    let clean = small::forces(&base, &catalogue);
     for (t, f) in base.tests.iter_mut().zip(&clean) {
         if let Some(r) = &mut t.record {
             r.force.clone_from(f);

@@ -87,7 +87,11 @@ fn shows(out: &mut Vec<String>, f: &Foresight) {
     let known: Vec<String> = f.parameters.iter().filter(|k| k.known).map(error).collect();
     let open: Vec<&str> = f.parameters.iter().filter(|k| !k.known).map(|k| k.path.as_str()).collect();
     let known = or_none(known.join(", "));
-    push(out, &format!("parameters they fix (standard error by noise alone, no effect present): {known}"));
+    let by = if f.counts_mesh { "noise and the mesh's error" } else { "noise alone" };
+    push(out, &format!("parameters they fix (standard error by {by}, no effect present): {known}"));
+    if let Some(opening) = opening(f) {
+        push(out, &format!("of these so many are open beside an effect: {opening}"));
+    }
     push(out, &format!("parameters they leave open: {}", or_none(open.join(", "))));
     let shown = names(Shown::Shown, &|e| e.effect.clone());
     push(out, &format!("effects they show at a plausible size: {shown}"));
@@ -106,6 +110,16 @@ fn shows(out: &mut Vec<String>, f: &Foresight) {
     if f.hidden.len() > ADVISED {
         push(out, "`fct design FILE` weighs protocols and cameras for the rest");
     }
+}
+
+/// Effects beside which parameters are open that are known without, and how many; none where there are none.
+fn opening(f: &Foresight) -> Option<String> {
+    let opens = |e: &&Foreseen| f.parameters.iter().filter(|k| k.open_beside.contains(&e.effect)).count();
+    let mut list: Vec<(usize, &str)> = f.effects.iter().map(|e| (opens(&e), e.effect.as_str())).collect();
+    list.retain(|(n, _)| *n > 0);
+    list.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(b.1)));
+    let said: Vec<String> = list.iter().map(|(n, e)| format!("{e} {n}")).collect();
+    (!said.is_empty()).then(|| said.join(", "))
 }
 
 /// A multiple as one reads it.
@@ -143,5 +157,59 @@ mod tests {
         assert!(text.contains("20000 rows (averaged to 420 points)"), "{text}");
         assert!(text.contains("Remedy: tare it") && text.contains("0.5 % of the peak"), "{text}");
         assert!(lines.iter().all(|l| l.chars().count() <= WIDTH), "{lines:?}");
+    }
+
+    /// Words of the parameters, and of effects with the multiples from which on they are found and shown.
+    #[test]
+    fn what_the_records_show_is_told_with_what_opens_it() {
+        let known = |path: &str, relative_error: f64, known: bool, beside: &[&str]| analysis::Known {
+            path: path.into(),
+            value: 1.0,
+            relative_error,
+            by_noise: 0.5 * relative_error,
+            known,
+            open_beside: beside.iter().map(|&b| b.to_owned()).collect(),
+        };
+        let effect = |name: &str, snr: f64, shown: Shown| Foreseen {
+            effect: name.into(),
+            amplitude: "a".into(),
+            plausible: 1.0,
+            shape: Vec::new(),
+            snr,
+            power: 0.5,
+            least: Some(6.0 / snr),
+            shown,
+        };
+        let shows = Foresight {
+            parameters: vec![
+                known("bulk.mu", 0.1, true, &[]),
+                known("bulk.k1", 0.2, true, &["mullins", "slack"]),
+                known("bulk.k2", 0.3, true, &["slack"]),
+                known("bulk.kappa", 2.0, false, &[]),
+            ],
+            counts_mesh: true,
+            effects: vec![
+                effect("mullins", 60.0, Shown::Shown),
+                effect("slack", 5.0, Shown::Faint),
+                effect("gain", 1.0, Shown::Hidden),
+            ],
+            hidden: vec![("gain".into(), "hang a weight".into())],
+        };
+        let mut lines = Vec::new();
+        super::shows(&mut lines, &shows);
+        let text = lines.iter().flat_map(|l| l.split_whitespace()).collect::<Vec<_>>().join(" ");
+        for part in [
+            "(standard error by noise and the mesh's error, no effect present): bulk.mu ±10 %, bulk.k1 ±20 %",
+            "of these so many are open beside an effect: slack 2, mullins 1",
+            "parameters they leave open: bulk.kappa",
+            "at a plausible size: mullins",
+            // Called from a power of one half on, 6 − 1.28 standard deviations; shown from the visible ones on.
+            "gain (4.7×)",
+            "to show `gain`: hang a weight",
+        ] {
+            assert!(text.contains(part), "{part} is not in {text}");
+        }
+        let visible = Policy::default().visible_snr.max(6.0) / 5.0;
+        assert!(text.contains(&format!("slack ({visible:.1}×)")), "{text}");
     }
 }

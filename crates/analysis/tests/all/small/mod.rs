@@ -1,7 +1,12 @@
 //! A small strip with an intact and a tearing test, and records to give it.
 
+use analysis::{DataBlock, FeProblem, run_options};
+use input::Case;
+use inverse::{Problem as _, Random};
+use model::{Catalogue, Channel, Discretisation, Model};
 use std::fmt::Write;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Dimensions and tests; mesh, tissue and path are the caller's.
 pub const STRIP: &str = r#"
@@ -57,5 +62,32 @@ pub fn write_records(folder: &Path, hold: bool) {
         }
         let _ = writeln!(text, "{},{},{}", corners[5].0, corners[5].1, 0.1 * corners[5].1);
         std::fs::write(folder.join(file), text).expect("a record");
+    }
+}
+
+/// Forces of a case, tests one after the other.
+#[allow(dead_code)]
+pub fn forces(case: &Case, catalogue: &Catalogue) -> Vec<Vec<f64>> {
+    let model = Model::new(Arc::new(case.clone()), catalogue, Discretisation::default()).expect("a model");
+    let rows = |t: &input::Test| (0..t.record.as_ref().map_or(0, input::Record::len)).collect();
+    let slots: Vec<DataBlock> = (0..case.tests.len())
+        .map(|test| DataBlock { test, channel: Channel::Force, rows: rows(&case.tests[test]) })
+        .collect();
+    let problem = FeProblem::new(&model, model.theta(), Vec::new(), &slots, run_options(case), &|| false);
+    let all = problem.predict(&[], false).unwrap_or_else(|e| panic!("{:?}: {e}", model.effects())).values;
+    let mut all = all.iter().copied();
+    slots.iter().map(|s| all.by_ref().take(s.rows.len()).collect()).collect()
+}
+
+/// Puts forces into the records, with noise of a share of each peak.
+#[allow(dead_code)]
+pub fn record(case: &mut Case, forces: &[Vec<f64>], noise: f64, random: &mut Random) {
+    for (t, f) in case.tests.iter_mut().zip(forces) {
+        let sd = noise * f.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+        let noise = random.ar1(f.len(), sd, 0.0);
+        t.force_sd = Some(sd);
+        if let Some(r) = &mut t.record {
+            r.force = f.iter().zip(noise.iter()).map(|(f, n)| f + n).collect();
+        }
     }
 }
