@@ -1,8 +1,9 @@
 //! A look at records in seconds: the base fitted roughly on a coarse mesh, and the catalogue's columns there.
 
-use super::besides::{mesh_error, with_equal_areas};
 use super::engine::{Foresight, LOOK, Linear, coarsest, linear, model_of};
+use super::equal_areas::with_equal_areas;
 use super::guess::{fitted_roughly, guessed, with_strength};
+use super::mesh_error::mesh_error;
 use crate::data::Measured;
 use crate::identify::AnalysisError;
 use crate::problem::Cancelled;

@@ -1,11 +1,12 @@
 //! Before the test: which protocol would show what, on a strip of this geometry with a tissue of about this kind.
 
-mod besides;
 mod engine;
+mod equal_areas;
 mod full;
 mod guess;
 mod known;
 mod look;
+mod mesh_error;
 mod program;
 #[cfg(test)]
 mod repeats;
