@@ -1,15 +1,13 @@
 //! How well base parameters would be known: by noise, with the error of the mesh, and beside an effect.
 
 use diagnose::Candidate;
-use inverse::{Free, Whitened};
+use inverse::{Free, Identifiability, Whitened};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::Serialize;
 
 /// A parameter is known when its standard error is below this share of it.
 const KNOWN: f64 = 0.35;
-/// With a prior, the records must shrink its standard deviation to this share: they halve the variance.
-const LEARNED: f64 = 0.7;
 
 /// How well a base parameter would be known.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -63,9 +61,10 @@ impl<'a> Sums<'a> {
     pub fn known(&self, (free, theta): (&[Free], &[f64]), effects: &[&Candidate]) -> Vec<Known> {
         let (by_noise, alone) = self.deviations(&[]);
         let beside: Vec<Vec<f64>> = effects.par_iter().map(|c| self.beside(c, free.len())).collect();
+        let learned = Identifiability::default().prior_shrink;
         let one = |(k, f): (usize, &Free)| {
             let relative = |sd: f64| (f.transform.slope(theta[k]) * sd / theta[k]).abs();
-            let known = |sd: f64| relative(sd) <= KNOWN && f.prior.is_none_or(|p| sd < LEARNED * p.sd);
+            let known = |sd: f64| relative(sd) <= KNOWN && f.prior.is_none_or(|p| sd < learned * p.sd);
             let opens = |(_, sds): &(&&Candidate, &Vec<f64>)| known(alone[k]) && !known(sds[k]);
             Known {
                 path: f.path.clone(),
@@ -178,6 +177,24 @@ mod tests {
     fn fit(columns: &[DVector<f64>], record: &DVector<f64>) -> DVector<f64> {
         let j = DMatrix::from_columns(columns);
         (j.tr_mul(&j)).try_inverse().unwrap() * j.tr_mul(record)
+    }
+
+    /// Of two places the worse counts, and what opens either opens; what is open at one is not opened by an effect.
+    #[test]
+    fn the_worse_of_two_places_counts() {
+        let at = |relative_error: f64, known: bool, beside: &str| Known {
+            path: "a".into(),
+            value: relative_error,
+            relative_error,
+            by_noise: 0.5 * relative_error,
+            known,
+            open_beside: vec![beside.to_owned()],
+        };
+        let first = vec![at(0.1, true, "slack"), at(0.1, true, "slack")];
+        let both = less_known(first, vec![at(0.2, true, "drift"), at(0.9, false, "drift")]);
+        assert_eq!((both[0].value, both[0].relative_error, both[0].by_noise), (0.1, 0.2, 0.1));
+        assert_eq!(both[0].open_beside, ["drift", "slack"]);
+        assert!(both[0].known && !both[1].known && both[1].open_beside.is_empty());
     }
 
     /// What an effect imitates is open beside it, and what it does not stays known.
