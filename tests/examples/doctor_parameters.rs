@@ -2,7 +2,7 @@
 //! `cargo run --release -p workspace-tests --example doctor_parameters -- ../shared/practice RUNS`, RUNS holding a run
 //! directory of `fct discover` for each case, named as it.
 
-use analysis::doctor;
+use analysis::{Expected, doctor};
 use serde_json::Value;
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -16,10 +16,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         std::fs::read_dir(&folder)?.filter_map(|e| e.ok()).map(|e| e.path()).filter(|p| p.is_dir()).collect();
     cases.sort();
     println!(
-        "| case | fixed, by `check` | of these known by the answer | open, by `check` | of these open | error found over \
-         promised, in the middle | over that by noise alone | truth inside, of the fixed |"
+        "| case | fixed, by `check` | of these identifiable in the answer | may be fixed | of these identifiable | open | \
+         of these open | error found over promised, in the middle | truth inside, of the fixed |"
     );
-    println!("|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|");
     let mut all = Counts::default();
     for case in cases {
         let name = case.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -32,20 +32,20 @@ fn main() -> Result<(), Box<dyn Error>> {
         all.add(counts);
     }
     println!("{}", all.line("all"));
+    let within = all.ratios.iter().filter(|r| (1.0 / 3.0..=3.0).contains(*r)).count();
+    println!("\nWithin a factor of three of the standard error found: {within} of {}.", all.ratios.len());
     Ok(())
 }
 
 /// What was promised, and what became of it.
 #[derive(Default)]
 struct Counts {
-    fixed: usize,
-    known: usize,
-    open: usize,
-    left_open: usize,
+    /// Parameters of each promise, and how many of them are identifiable.
+    promised: [[usize; 2]; 3],
     compared: usize,
     inside: usize,
-    /// Standard errors found over those promised, and over those by noise alone.
-    ratios: [Vec<f64>; 2],
+    /// Standard errors found over those promised.
+    ratios: Vec<f64>,
 }
 
 impl Counts {
@@ -60,21 +60,16 @@ impl Counts {
         let mut counts = Self::default();
         for promised in &foresight.parameters {
             let Some(found) = list.iter().find(|p| p["path"] == promised.path.as_str()) else { continue };
-            let identifiable = found["identifiable"] == true;
-            // What the answer's effects open is promised to be open beside them.
-            let mut with = answer["effects"].as_array().into_iter().flatten().filter_map(Value::as_str);
-            let opened = with.any(|e| promised.open_beside.iter().any(|o| o == e));
-            if !promised.known || opened {
-                counts.open += 1;
-                counts.left_open += usize::from(!identifiable);
-                continue;
-            }
-            counts.fixed += 1;
-            counts.known += usize::from(identifiable);
+            let with = answer["effects"].as_array().into_iter().flatten().filter_map(Value::as_str);
+            let expected = promised.expected_beside(with);
+            let [all, identifiable] = &mut counts.promised[expected as usize];
+            *all += 1;
+            *identifiable += usize::from(found["identifiable"] == true);
             if let (Some(error), Some(value)) = (found["std_error"].as_f64(), found["value"].as_f64()) {
-                let found = (error / value).abs();
-                counts.ratios[0].push(found / promised.relative_error);
-                counts.ratios[1].push(found / promised.by_noise);
+                counts.ratios.push((error / value).abs() / promised.relative_error);
+            }
+            if expected != Expected::Fixed {
+                continue;
             }
             let end = |k: usize| found["interval_95"][k].as_f64();
             let true_value = hidden(&truth, read.interface.areas, &promised.path);
@@ -87,28 +82,24 @@ impl Counts {
     }
 
     fn add(&mut self, other: Self) {
-        self.fixed += other.fixed;
-        self.known += other.known;
-        self.open += other.open;
-        self.left_open += other.left_open;
+        for (all, one) in self.promised.iter_mut().flatten().zip(other.promised.iter().flatten()) {
+            *all += one;
+        }
         self.compared += other.compared;
         self.inside += other.inside;
-        for (all, one) in self.ratios.iter_mut().zip(other.ratios) {
-            all.extend(one);
-        }
+        self.ratios.extend(other.ratios);
     }
 
     fn line(&self, name: &str) -> String {
-        let middle = |ratios: &Vec<f64>| {
-            let mut sorted = ratios.clone();
-            sorted.sort_by(f64::total_cmp);
-            sorted.get(sorted.len() / 2).map_or("–".into(), |r| format!("{r:.2}"))
-        };
-        let [over_promised, over_noise] = self.ratios.each_ref().map(middle);
-        let Self { fixed, known, open, left_open, compared, inside, .. } = self;
+        let mut sorted = self.ratios.clone();
+        sorted.sort_by(f64::total_cmp);
+        let middle = sorted.get(sorted.len() / 2).map_or("–".into(), |r| format!("{r:.2}"));
+        let [[fixed, known], [uncertain, uncertain_known], [open, open_known]] = self.promised;
+        let Self { compared, inside, .. } = self;
         format!(
-            "| {name} | {fixed} | {known} | {open} | {left_open} | {over_promised} | {over_noise} | {inside} of \
-             {compared} |"
+            "| {name} | {fixed} | {known} | {uncertain} | {uncertain_known} | {open} | {} | {middle} | {inside} of \
+             {compared} |",
+            open - open_known
         )
     }
 }

@@ -36,7 +36,7 @@ pub use correction::Correction;
 pub use cost::{Meter, Metered, Phase, PhaseCost, Watch, Within};
 pub use data::{DataBlock, Measured, RecordError};
 pub use design::{
-    Asked, Confirmed, DesignAnswer, DesignRequest, Foresight, Known, RatedProtocol, Variant, design,
+    Asked, Confirmed, DesignAnswer, DesignRequest, Expected, Foresight, Known, RatedProtocol, Variant, design,
     first_look,
 };
 pub use doctor::{Advice, Doctor, RecordFindings, doctor};

@@ -87,7 +87,8 @@ function doctor(state) {
   const rows = (d?.records ?? []).map(r => el("li", {}, `${r.test}: ${r.rows} rows${r.points < r.rows ? `, averaged to ${r.points} points` : ""}; `
     + (r.noise_N === null ? "noise unknown" : `noise ${show(r.noise_N, 2)} N, ${percent(r.noise_N / r.peak_N)} of the peak`) + (r.tears ? "; it tears" : "")));
   const names = list => list.join(", ") || "none", f = d?.shows;
-  const shows = f ? [el("li", {}, `parameters they fix: ${names(f.parameters.filter(p => p.known).map(p => p.path))}`),
+  const shows = f ? [...[["fixed", "fix"], ["uncertain", "may fix"], ["open", "leave open"]].map(([how, words]) =>
+    el("li", {}, `parameters they ${words}: ${names(f.parameters.filter(p => p.expected === how).map(p => p.path))}`)),
     el("li", {}, `effects they show at a plausible size: ${names(f.effects.filter(e => e.shown === "shown").map(e => e.effect))}`),
     el("li", {}, `effects they hide at that size: ${names(f.effects.filter(e => e.shown === "hidden").map(e => e.effect))}`)] : [];
   fill(place, el("div", { class: "tools" }, el("button", { type: "button", id: "check", onclick: () => ask({ do: "check" }) }, "What are these records good for?")),

@@ -2,6 +2,7 @@
 
 use clap::{Parser, ValueEnum};
 use hidden_suite::forward::Fineness;
+use hidden_suite::report::{Beside, Study};
 use hidden_suite::spec::{Spec, suite};
 use hidden_suite::{generate::generate, imitate, report, run};
 use std::collections::BTreeMap;
@@ -49,6 +50,15 @@ struct Args {
     /// The document.
     #[arg(long, default_value = "docs/hidden.md")]
     doc: PathBuf,
+    /// Another program's results of the same cases (folders with a `result.json` each), to stand beside on the page.
+    #[arg(long)]
+    beside: Option<PathBuf>,
+    /// What the page calls that program.
+    #[arg(long, default_value = "beside")]
+    beside_name: String,
+    /// Commit of the program that answered, for the page.
+    #[arg(long)]
+    commit: Option<String>,
     /// Print every step of the search.
     #[arg(long)]
     verbose: bool,
@@ -185,7 +195,13 @@ fn name(folder: &Path) -> String {
 
 fn document(args: &Args, specs: &[Spec]) -> bool {
     let outcomes: Vec<_> = specs.iter().filter_map(|s| run::stored(&folder(args, s))).collect();
-    let text = report::page(&outcomes, specs.len());
+    let beside = args.beside.as_ref().map(|dir| Beside::new(&args.beside_name, &outcomes, dir));
+    let study = Study {
+        command: format!("-- all --seed {} --every {}", args.seed, args.every),
+        commit: args.commit.clone(),
+        planned: specs.len(),
+    };
+    let text = report::page(&outcomes, &study, beside.as_ref());
     match std::fs::write(&args.doc, text) {
         Ok(()) => {
             eprintln!("{} results → {}", outcomes.len(), args.doc.display());

@@ -68,6 +68,7 @@ const MAY_SEE: &[(&str, &[&str])] = &[
             "workbench",
         ],
     ),
+    ("fct-python", &["analysis", "campaign", "effects", "input", "model", "records", "report"]),
     // See all.
     ("hidden-suite", &["*"]),
     ("workspace-tests", &["*"]),

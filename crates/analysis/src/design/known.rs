@@ -5,9 +5,42 @@ use inverse::{Free, Identifiability, Whitened};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
-/// A parameter is known when its standard error is below this share of it.
-const KNOWN: f64 = 0.35;
+/// A look foretells a standard error within this factor, either way (three times of four, docs/reliability.md).
+const WITHIN: f64 = 3.0;
+
+/// What a look expects of an identification of a parameter, by the rule that identifications go by ([`Identifiability`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Expected {
+    /// The records fix it, even were its standard error three times as large as foretold.
+    Fixed,
+    /// Whether they do depends on where the identification ends.
+    Uncertain,
+    /// They do not, even were its standard error a third of that.
+    Open,
+}
+
+impl Expected {
+    /// Of a parameter with a standard deviation `sd_z` in the transformed coordinate.
+    fn of(free: &Free, value: f64, sd_z: f64) -> Self {
+        let rule = Identifiability::default();
+        // What the records alone know, over what they would have to: the prior is in `sd_z`.
+        let learned = |p: inverse::Prior| {
+            let beside = |sd: f64| (sd.powi(-2) - 1.0).max(0.0).sqrt().recip();
+            beside(sd_z / p.sd) / beside(rule.prior_shrink)
+        };
+        let learned = free.prior.map_or(0.0, learned);
+        let over = (sd_z / (rule.max_sd * free.natural_scale(value))).max(learned);
+        // What is no number is not known.
+        match over {
+            o if sd_z.is_nan() || o > WITHIN => Self::Open,
+            o if o * WITHIN > 1.0 => Self::Uncertain,
+            _ => Self::Fixed,
+        }
+    }
+}
 
 /// How well a base parameter would be known.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -21,24 +54,35 @@ pub struct Known {
     pub relative_error: f64,
     /// The same by noise alone.
     pub by_noise: f64,
-    /// Whether that is a measurement and not a guess.
-    pub known: bool,
-    /// Effects that the records show at a plausible size, or may, and beside which it would no longer be known.
-    pub open_beside: Vec<String>,
+    /// What is expected of an identification, no effect present.
+    pub expected: Expected,
+    /// Effects that the records show at a plausible size, or may, and beside which less is expected of it: what.
+    pub beside: BTreeMap<String, Expected>,
+}
+
+impl Known {
+    /// What is expected beside effects.
+    pub fn expected_beside<'a>(&self, effects: impl IntoIterator<Item = &'a str>) -> Expected {
+        let worse = effects.into_iter().filter_map(|e| self.beside.get(e)).max();
+        worse.map_or(self.expected, |w| self.expected.max(*w))
+    }
 }
 
 /// Of each parameter the less known of two, with the first's value and what opens either.
 pub(super) fn less_known(first: Vec<Known>, second: Vec<Known>) -> Vec<Known> {
     let of = |(a, b): (Known, Known)| {
-        let known = a.known && b.known;
-        let mut open_beside = if known { [a.open_beside, b.open_beside].concat() } else { Vec::new() };
-        open_beside.sort();
-        open_beside.dedup();
+        let expected = a.expected.max(b.expected);
+        let mut beside = a.beside;
+        for (effect, worse) in b.beside {
+            let worst = beside.entry(effect).or_insert(worse);
+            *worst = worse.max(*worst);
+        }
+        beside.retain(|_, worst| *worst > expected);
         Known {
             relative_error: a.relative_error.max(b.relative_error),
             by_noise: a.by_noise.max(b.by_noise),
-            known,
-            open_beside,
+            expected,
+            beside,
             ..a
         }
     };
@@ -61,22 +105,19 @@ impl<'a> Sums<'a> {
     pub fn known(&self, (free, theta): (&[Free], &[f64]), effects: &[&Candidate]) -> Vec<Known> {
         let (by_noise, alone) = self.deviations(&[]);
         let beside: Vec<Vec<f64>> = effects.par_iter().map(|c| self.beside(c, free.len())).collect();
-        let learned = Identifiability::default().prior_shrink;
         let one = |(k, f): (usize, &Free)| {
             let relative = |sd: f64| (f.transform.slope(theta[k]) * sd / theta[k]).abs();
-            let known = |sd: f64| relative(sd) <= KNOWN && f.prior.is_none_or(|p| sd < learned * p.sd);
-            let opens = |(_, sds): &(&&Candidate, &Vec<f64>)| known(alone[k]) && !known(sds[k]);
+            let expected = Expected::of(f, theta[k], alone[k]);
+            let beside = effects.iter().zip(&beside);
             Known {
                 path: f.path.clone(),
                 value: theta[k],
                 relative_error: relative(alone[k]),
                 by_noise: relative(by_noise[k]),
-                known: known(alone[k]),
-                open_beside: effects
-                    .iter()
-                    .zip(&beside)
-                    .filter(opens)
-                    .map(|(c, _)| c.effect.clone())
+                expected,
+                beside: beside
+                    .map(|(c, sds)| (c.effect.clone(), Expected::of(f, theta[k], sds[k])))
+                    .filter(|(_, worse)| *worse > expected)
                     .collect(),
             }
         };
@@ -182,29 +223,53 @@ mod tests {
     /// Of two places the worse counts, and what opens either opens; what is open at one is not opened by an effect.
     #[test]
     fn the_worse_of_two_places_counts() {
-        let at = |relative_error: f64, known: bool, beside: &str| Known {
+        use Expected::{Fixed, Open, Uncertain};
+        let at = |relative_error: f64, expected: Expected, beside: &[(&str, Expected)]| Known {
             path: "a".into(),
             value: relative_error,
             relative_error,
             by_noise: 0.5 * relative_error,
-            known,
-            open_beside: vec![beside.to_owned()],
+            expected,
+            beside: beside.iter().map(|&(e, x)| (e.to_owned(), x)).collect(),
         };
-        let first = vec![at(0.1, true, "slack"), at(0.1, true, "slack")];
-        let both = less_known(first, vec![at(0.2, true, "drift"), at(0.9, false, "drift")]);
+        let first = || at(0.1, Fixed, &[("slack", Uncertain), ("gain", Open)]);
+        let second = vec![at(0.2, Fixed, &[("drift", Open), ("slack", Open)]), at(0.9, Uncertain, &[])];
+        let both = less_known(vec![first(), first()], second);
         assert_eq!((both[0].value, both[0].relative_error, both[0].by_noise), (0.1, 0.2, 0.1));
-        assert_eq!(both[0].open_beside, ["drift", "slack"]);
-        assert!(both[0].known && !both[1].known && both[1].open_beside.is_empty());
+        assert_eq!(both[0].expected, Fixed);
+        assert_eq!(both[0].beside, at(0.0, Fixed, &[("drift", Open), ("gain", Open), ("slack", Open)]).beside);
+        assert_eq!(both[1].expected, Uncertain);
+        assert_eq!(both[1].beside, at(0.0, Open, &[("gain", Open)]).beside);
+        let beside = |effects: &[&str]| both[1].expected_beside(effects.iter().copied());
+        assert_eq!((beside(&[]), beside(&["slack"]), beside(&["slack", "gain"])), (Uncertain, Uncertain, Open));
     }
 
-    /// What an effect imitates is open beside it, and what it does not stays known.
+    /// By the rule of an identification, with a factor of three either way: a half in natural scales, which for a share of a
+    /// box are those of its logit, and 0.7 of a prior.
+    #[test]
+    fn what_is_expected_goes_by_the_rule_of_identifications() {
+        let log = Free::new("k", (1e-3, 1e3), params::Transform::Log, 1.0);
+        let at = |sd: f64| Expected::of(&log, 1.0, sd);
+        let seen = [0.16, 0.17, 1.49, 1.51, f64::INFINITY, f64::NAN].map(at);
+        use Expected::{Fixed, Open, Uncertain};
+        assert_eq!(seen, [Fixed, Uncertain, Uncertain, Open, Open, Open]);
+        let prior = Free { prior: Some(inverse::Prior { mean: 0.0, sd: 0.2 }), ..log.clone() };
+        let at = |sd: f64| Expected::of(&prior, 1.0, sd);
+        assert_eq!([0.05, 0.07, 0.18, 0.19, 0.2].map(at), [Fixed, Uncertain, Uncertain, Open, Open]);
+    }
+
+    /// What an effect imitates is less sure beside it, and what it does not stays as it was.
     #[test]
     fn an_effect_opens_what_it_imitates() {
-        let (list, white) = line();
+        let free = |path: &str| Free::new(path, (-10.0, 10.0), params::Transform::Identity, 0.0);
+        let list = vec![free("a"), free("b")];
+        let (_, white) = line();
         let slope = Candidate::simple("slope", Side::Both, 1.0, column(|x| x + 0.02 * (40.0 * x).sin()));
         let wave = Candidate::simple("wave", Side::Both, 1.0, column(|x| (40.0 * x).sin()));
         let known = Sums::new(&white, Vec::new()).known((&list, &[4.0, 4.0]), &[&slope, &wave]);
-        assert!(known.iter().all(|k| k.known && k.relative_error == k.by_noise), "{known:?}");
-        assert_eq!((known[0].open_beside.len(), &known[1].open_beside[..]), (0, &["slope".to_owned()][..]));
+        let sure = |k: &Known| k.expected == Expected::Fixed && k.relative_error == k.by_noise;
+        assert!(known.iter().all(sure), "{known:?}");
+        let beside: Vec<Vec<&String>> = known.iter().map(|k| k.beside.keys().collect()).collect();
+        assert_eq!((beside[0].len(), &beside[1][..]), (0, &[&"slope".to_owned()][..]), "{known:?}");
     }
 }

@@ -14,7 +14,7 @@ mod table;
 
 pub use engine::Foresight;
 pub use full::Confirmed;
-pub use known::Known;
+pub use known::{Expected, Known};
 pub use look::first_look;
 pub(crate) use look::foresight_of_records;
 

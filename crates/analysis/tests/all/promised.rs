@@ -2,7 +2,7 @@
 
 use crate::small;
 
-use analysis::{Control, doctor, identify};
+use analysis::{Control, Expected, doctor, identify};
 use inverse::Random;
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ fn case(folder: &std::path::Path, areas: usize, divisions: &str) -> input::Case 
 }
 
 /// The record is made on another mesh than the file's.
-fn promised_and_found(areas: usize) -> Vec<(String, bool)> {
+fn promised_and_found(areas: usize) -> Vec<(String, Expected)> {
     let catalogue = effects::catalogue();
     let folder = tempfile::tempdir().expect("a folder");
     let forces = small::forces(&case(folder.path(), areas, "[14, 10, 1]"), &catalogue);
@@ -32,18 +32,20 @@ fn promised_and_found(areas: usize) -> Vec<(String, bool)> {
     for e in &found.uncertainty.estimates {
         let promised = shows.parameters.iter().find(|k| k.path == e.path).expect("the same parameters");
         let error = e.std_error.map(|sd| sd / e.value);
-        println!("{}: {} promised {:.3}, found {error:?}", e.path, promised.known, promised.relative_error);
-        assert!(e.identifiable || !promised.known, "{}: called fixed, not identified", e.path);
+        let fixed = promised.expected == Expected::Fixed;
+        println!("{}: {:?} promised {:.3}, found {error:?}", e.path, promised.expected, promised.relative_error);
+        assert!(e.identifiable || !fixed, "{}: called fixed, not identified", e.path);
+        assert!(!e.identifiable || promised.expected != Expected::Open, "{}: called open, identified", e.path);
         let over = error.map_or(f64::INFINITY, |e| e / promised.relative_error);
-        assert!(!promised.known || (0.5..2.0).contains(&over), "{}: {over} of the promise", e.path);
+        assert!(!fixed || (0.5..2.0).contains(&over), "{}: {over} of the promise", e.path);
     }
-    shows.parameters.into_iter().map(|k| (k.path, k.known)).collect()
+    shows.parameters.into_iter().map(|k| (k.path, k.expected)).collect()
 }
 
 #[test]
 fn what_is_called_fixed_is_identified() {
-    let fixed = |list: &[(String, bool)], name: &str| {
-        list.iter().filter(|(path, known)| path.ends_with(name) && *known).count()
+    let fixed = |list: &[(String, Expected)], name: &str| {
+        list.iter().filter(|(path, e)| path.ends_with(name) && *e == Expected::Fixed).count()
     };
     let one = promised_and_found(1);
     assert_eq!((one.len(), fixed(&one, "].gc"), fixed(&one, "].sigma_c")), (4, 1, 1), "{one:?}");

@@ -1,7 +1,7 @@
 //! What records are good for, in a dozen lines.
 
 use super::wrap;
-use analysis::{Doctor, Foresight, RecordFindings};
+use analysis::{Doctor, Expected, Foresight, RecordFindings};
 use diagnose::{Foreseen, Policy, Shown};
 
 /// Columns of a line.
@@ -84,15 +84,18 @@ fn shows(out: &mut Vec<String>, f: &Foresight) {
     let shown_from = |e: &Foreseen| format!("{} ({})", e.effect, times(e.shown_from(&policy)));
     let found_from = |e: &Foreseen| format!("{} ({})", e.effect, times(e.found_from()));
     let error = |k: &analysis::Known| format!("{} ±{:.0} %", k.path, 100.0 * k.relative_error);
-    let known: Vec<String> = f.parameters.iter().filter(|k| k.known).map(error).collect();
-    let open: Vec<&str> = f.parameters.iter().filter(|k| !k.known).map(|k| k.path.as_str()).collect();
-    let known = or_none(known.join(", "));
+    let expected = |how: Expected, said: &dyn Fn(&analysis::Known) -> String| {
+        let list: Vec<String> = f.parameters.iter().filter(|k| k.expected == how).map(said).collect();
+        or_none(list.join(", "))
+    };
     let by = if f.counts_mesh { "noise and the mesh's error" } else { "noise alone" };
-    push(out, &format!("parameters they fix (standard error by {by}, no effect present): {known}"));
+    push(out, &format!("parameters they fix (standard error by {by}, no effect present): {}", expected(Expected::Fixed, &error)));
     if let Some(opening) = opening(f) {
-        push(out, &format!("of these so many are open beside an effect: {opening}"));
+        push(out, &format!("of these so many may be open beside an effect: {opening}"));
     }
-    push(out, &format!("parameters they leave open: {}", or_none(open.join(", "))));
+    let uncertain = expected(Expected::Uncertain, &error);
+    push(out, &format!("parameters they may fix (known to a factor of three before a fit): {uncertain}"));
+    push(out, &format!("parameters they leave open: {}", expected(Expected::Open, &|k| k.path.clone())));
     let shown = names(Shown::Shown, &|e| e.effect.clone());
     push(out, &format!("effects they show at a plausible size: {shown}"));
     let faint = names(Shown::Faint, &shown_from);
@@ -112,9 +115,10 @@ fn shows(out: &mut Vec<String>, f: &Foresight) {
     }
 }
 
-/// Effects beside which parameters are open that are known without, and how many; none where there are none.
+/// Effects beside which parameters may be open that are fixed without, and how many; none where there are none.
 fn opening(f: &Foresight) -> Option<String> {
-    let opens = |e: &&Foreseen| f.parameters.iter().filter(|k| k.open_beside.contains(&e.effect)).count();
+    let fixed = || f.parameters.iter().filter(|k| k.expected == Expected::Fixed);
+    let opens = |e: &&Foreseen| fixed().filter(|k| k.beside.contains_key(&e.effect)).count();
     let mut list: Vec<(usize, &str)> = f.effects.iter().map(|e| (opens(&e), e.effect.as_str())).collect();
     list.retain(|(n, _)| *n > 0);
     list.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(b.1)));
@@ -162,13 +166,14 @@ mod tests {
     /// Words of the parameters, and of effects with the multiples from which on they are found and shown.
     #[test]
     fn what_the_records_show_is_told_with_what_opens_it() {
-        let known = |path: &str, relative_error: f64, known: bool, beside: &[&str]| analysis::Known {
+        use Expected::{Fixed, Open, Uncertain};
+        let known = |path: &str, relative_error: f64, expected: Expected, beside: &[&str]| analysis::Known {
             path: path.into(),
             value: 1.0,
             relative_error,
             by_noise: 0.5 * relative_error,
-            known,
-            open_beside: beside.iter().map(|&b| b.to_owned()).collect(),
+            expected,
+            beside: beside.iter().map(|&b| (b.to_owned(), Open)).collect(),
         };
         let effect = |name: &str, snr: f64, shown: Shown| Foreseen {
             effect: name.into(),
@@ -182,10 +187,11 @@ mod tests {
         };
         let shows = Foresight {
             parameters: vec![
-                known("bulk.mu", 0.1, true, &[]),
-                known("bulk.k1", 0.2, true, &["mullins", "slack"]),
-                known("bulk.k2", 0.3, true, &["slack"]),
-                known("bulk.kappa", 2.0, false, &[]),
+                known("bulk.mu", 0.05, Fixed, &[]),
+                known("bulk.k1", 0.1, Fixed, &["mullins", "slack"]),
+                known("bulk.k2", 0.15, Fixed, &["slack"]),
+                known("bulk.gamma", 0.4, Uncertain, &["slack"]),
+                known("bulk.kappa", 2.0, Open, &[]),
             ],
             counts_mesh: true,
             effects: vec![
@@ -199,8 +205,9 @@ mod tests {
         super::shows(&mut lines, &shows);
         let text = lines.iter().flat_map(|l| l.split_whitespace()).collect::<Vec<_>>().join(" ");
         for part in [
-            "(standard error by noise and the mesh's error, no effect present): bulk.mu ±10 %, bulk.k1 ±20 %",
-            "of these so many are open beside an effect: slack 2, mullins 1",
+            "(standard error by noise and the mesh's error, no effect present): bulk.mu ±5 %, bulk.k1 ±10 %",
+            "of these so many may be open beside an effect: slack 2, mullins 1",
+            "may fix (known to a factor of three before a fit): bulk.gamma ±40 %",
             "parameters they leave open: bulk.kappa",
             "at a plausible size: mullins",
             // Called from a power of one half on, 6 − 1.28 standard deviations; shown from the visible ones on.

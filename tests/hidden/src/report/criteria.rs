@@ -1,6 +1,6 @@
 //! What is asked of the answers, with what was measured.
 
-use super::{median, scores, share, singles, visible_singles};
+use super::{Beside, median, scores, share, singles, visible_singles};
 use crate::outcome::{Grade, Outcome};
 use std::fmt::Write as _;
 
@@ -37,16 +37,19 @@ fn median_at_most(what: &'static str, values: &[f64], most: f64, note: &str) -> 
 }
 
 /// The table.
-pub fn section(outcomes: &[Outcome]) -> String {
-    let mut text =
-        String::from("## Criteria\n\n| criterion | wanted | measured | met |\n|---|---|---|---|\n");
-    for r in rows(outcomes) {
+pub fn section(outcomes: &[Outcome], beside: Option<&Beside>) -> String {
+    let mut text = String::from("## Criteria\n\n| criterion | wanted | measured | met |");
+    let other = beside.map(|b| rows(&b.outcomes));
+    text += &beside.map_or(String::new(), |b| format!(" {} |", b.name));
+    text += if beside.is_some() { "\n|---|---|---|---|---|\n" } else { "\n|---|---|---|---|\n" };
+    for (k, r) in rows(outcomes).iter().enumerate() {
         let met = match r.met {
             Some(true) => "yes",
             Some(false) => "**no**",
             None => "–",
         };
-        let _ = writeln!(text, "| {} | {} | {} | {met} |", r.what, r.wanted, r.measured);
+        let its = other.as_ref().map_or(String::new(), |o| format!(" {} |", o[k].measured));
+        let _ = writeln!(text, "| {} | {} | {} | {met} |{its}", r.what, r.wanted, r.measured);
     }
     let seen = visible_singles(outcomes);
     let sizes: Vec<usize> = seen

@@ -1,10 +1,13 @@
 //! docs/hidden.md from the results. Every number in it is counted here.
 
+mod beside;
 mod criteria;
 mod matrix;
 mod misses;
 mod scores;
 mod tables;
+
+pub use beside::Beside;
 
 use crate::outcome::{End, Outcome};
 use std::fmt::Write as _;
@@ -15,13 +18,23 @@ const ABOUT: &str = include_str!("about.md");
 /// What else is tested on records whose truth is known.
 const BESIDES: &str = include_str!("besides.md");
 
-/// The whole page. `planned`: cases that were asked for.
-pub fn page(outcomes: &[Outcome], planned: usize) -> String {
+/// How the answers came about.
+pub struct Study {
+    /// Arguments that make and answer these cases.
+    pub command: String,
+    /// Commit of the program that answered.
+    pub commit: Option<String>,
+    /// Cases that were asked for.
+    pub planned: usize,
+}
+
+/// The whole page.
+pub fn page(outcomes: &[Outcome], study: &Study, beside: Option<&Beside>) -> String {
     let mut text = String::from("# Records with a hidden effect\n\n");
-    text.push_str(&state(outcomes, planned));
+    text.push_str(&state(outcomes, study, beside));
     text.push_str(ABOUT);
-    text.push_str(&criteria::section(outcomes));
-    text.push_str(&scores::section(outcomes));
+    text.push_str(&criteria::section(outcomes, beside));
+    text.push_str(&scores::section(outcomes, beside));
     text.push_str(&matrix::section(outcomes));
     text.push_str(&tables::section(outcomes));
     text.push_str(&misses::section(outcomes));
@@ -50,11 +63,13 @@ fn folded(line: &str) -> Vec<String> {
 }
 
 /// How much of the study these numbers are.
-fn state(outcomes: &[Outcome], planned: usize) -> String {
+fn state(outcomes: &[Outcome], study: &Study, beside: Option<&Beside>) -> String {
+    let by = study.commit.as_ref().map_or(String::new(), |c| format!(" by the program of commit {c}"));
     let mut text = format!(
-        "Written by `just hidden` (`cargo run --release -p hidden-suite -- all`); do not edit by hand. Results of \
-         **{} of {planned}** cases",
-        outcomes.len()
+        "Written by `cargo run --release -p hidden-suite {}`{by}; do not edit by hand. Results of **{} of {}** cases",
+        study.command,
+        outcomes.len(),
+        study.planned
     );
     let ended = |f: fn(&End) -> bool| outcomes.iter().filter(|o| f(&o.end)).count();
     let late = ended(|e| *e == End::TimeLimit);
@@ -65,6 +80,17 @@ fn state(outcomes: &[Outcome], planned: usize) -> String {
         let _ = write!(text, ". A diagnosis took {m:.0} s (median; {most:.0} s at most) on one thread");
     }
     text.push_str(".\n\n");
+    if let Some(b) = beside {
+        let seconds: Vec<f64> = b.outcomes.iter().map(|o| o.seconds).collect();
+        let _ = write!(
+            text,
+            "Beside it {} on {} of the same records ({:.0} s in the middle): it states no probabilities, so each group \
+             that it names counts as 95 % in even shares, and every effect else as an even share of the rest.\n\n",
+            b.name,
+            b.outcomes.len(),
+            median(&seconds).unwrap_or(f64::NAN)
+        );
+    }
     text
 }
 

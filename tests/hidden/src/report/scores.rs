@@ -1,6 +1,7 @@
 //! The stated probabilities against the truth: scores, and how often what was said with a probability was so.
 
-use super::share;
+use super::beside::by_names;
+use super::{Beside, share};
 use crate::outcome::{Outcome, Stated};
 use std::fmt::Write as _;
 
@@ -21,13 +22,13 @@ struct Statements {
 
 impl Statements {
     /// Of every case the probability of every effect, as `by` has it.
-    fn of(outcomes: &[Outcome], by: impl Fn(&Outcome, &Stated, &str) -> f64) -> Self {
+    fn of(outcomes: &[Outcome], by: impl Fn(&Outcome, &Stated) -> Stated) -> Self {
         let mut all = Self { stated: Vec::new(), so: Vec::new() };
         for o in outcomes.iter().filter(|o| !o.truth.is_outside()) {
             let Some(s) = &o.stated else { continue };
-            for effect in s.effects.keys() {
-                all.stated.push(by(o, s, effect));
-                all.so.push(o.truth.effects.contains(effect));
+            for (effect, probability) in by(o, s).effects {
+                all.stated.push(probability);
+                all.so.push(o.truth.effects.contains(&effect));
             }
         }
         all
@@ -42,12 +43,6 @@ impl Statements {
     }
 }
 
-/// A verdict without its probabilities: even shares of 95 % in each group that was named, the prior's elsewhere.
-fn by_names(o: &Outcome, stated: &Stated, effect: &str) -> f64 {
-    let group = o.groups.iter().find(|g| g.iter().any(|e| e == effect));
-    group.map_or(0.05 / stated.effects.len() as f64, |g| 0.95 / g.len() as f64)
-}
-
 /// Effects that a case was told with 90 % or more.
 pub fn said(o: &Outcome) -> impl Iterator<Item = &String> {
     o.stated.iter().flat_map(|s| s.effects.iter().filter(|(_, p)| **p >= 0.9).map(|(e, _)| e))
@@ -60,14 +55,14 @@ pub fn gc_inside(o: &Outcome) -> Option<bool> {
 }
 
 /// The section.
-pub fn section(outcomes: &[Outcome]) -> String {
-    let own = Statements::of(outcomes, |_, s, e| s.effects.get(e).copied().unwrap_or(0.0));
+pub fn section(outcomes: &[Outcome], beside: Option<&Beside>) -> String {
+    let own = Statements::of(outcomes, |_, s| s.clone());
     if own.stated.is_empty() {
         return String::new();
     }
-    let names = Statements::of(outcomes, by_names);
+    let names = Statements::of(outcomes, |o, s| by_names(o, s.effects.keys()));
     let rate = own.so.iter().filter(|y| **y).count() as f64 / own.so.len() as f64;
-    let flat = Statements::of(outcomes, |_, _, _| rate);
+    let flat = Statements { stated: vec![rate; own.so.len()], so: own.so.clone() };
     let mut text = format!(
         "## Stated probabilities\n\n{} statements: of every case with effects of the catalogue or none, the probability of \
          every effect, whether the record can see it or not. *Names alone*: the same answers without their \
@@ -75,7 +70,9 @@ pub fn section(outcomes: &[Outcome]) -> String {
          | | −ln p | Brier |\n|---|---|---|\n",
         own.stated.len()
     );
-    for (what, s) in [("as stated", &own), ("names alone", &names), ("base rate", &flat)] {
+    let other = beside.map(|b| (b.name.as_str(), Statements::of(&b.outcomes, |_, s| s.clone())));
+    let all = [("as stated", &own), ("names alone", &names), ("base rate", &flat)];
+    for (what, s) in all.into_iter().chain(other.iter().map(|(name, s)| (*name, s))) {
         let _ = writeln!(text, "| {what} | {:.4} | {:.4} |", s.log(), s.brier());
     }
     text.push_str(&reliability(&own));
