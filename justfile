@@ -169,6 +169,18 @@ doctor-practice:
 doctor-parameters RUNS:
     cargo run --release -p workspace-tests --example doctor_parameters -- ../shared/practice {{RUNS}}
 
+# The same on fresh records of the study of hidden effects (`hidden generate`), each identified with what is hidden in the
+# model; CASES holds their folders.
+doctor-parameters-hidden CASES RUNS:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    cargo build --release
+    for case in "{{CASES}}"/case-*; do
+        run="{{RUNS}}/$(basename "$case")"
+        [ -d "$run" ] || target/release/fct identify "$case/known.toml" --out "$run" --quiet > /dev/null
+    done
+    cargo run --release -p workspace-tests --example doctor_parameters -- "{{CASES}}" "{{RUNS}}"
+
 # The power and the standard errors that `fct design` promises, against noisy repeats (docs/reliability.md). Seven minutes; `FCT_REPEATS=300` for more draws.
 design-power:
     cargo test --workspace --lib design::repeats:: -- --ignored --nocapture --test-threads 1

@@ -1,6 +1,6 @@
 //! Which parameters the doctor promises of the practice records, beside what the search's answer knows of them and the truth:
 //! `cargo run --release -p workspace-tests --example doctor_parameters -- ../shared/practice RUNS`, RUNS holding a run
-//! directory of `fct discover` for each case, named as it.
+//! directory of `fct discover` or `fct identify` for each case, named as it.
 
 use analysis::{Expected, doctor};
 use serde_json::Value;
@@ -109,10 +109,11 @@ fn json(file: &Path) -> Result<Value, Box<dyn Error>> {
     Ok(serde_json::from_str(&text)?)
 }
 
-/// The answer's page of a search: its last model.
+/// The answer's page: the last model of a search, else an identification.
 fn answers_page(run: &Path) -> Result<Value, Box<dyn Error>> {
     let count = (0..).take_while(|k| run.join(format!("rungs/{k}")).is_dir()).count();
-    json(&run.join(format!("rungs/{}/summary.json", count.saturating_sub(1))))
+    let page = count.checked_sub(1).map_or("summary.json".into(), |last| format!("rungs/{last}/summary.json"));
+    json(&run.join(page))
 }
 
 /// A base parameter of the truth, in the program's units. Areas are those of the truth where there are as many as in the file.
@@ -127,5 +128,5 @@ fn hidden(truth: &Value, areas: usize, path: &str) -> Option<f64> {
         };
     };
     let all = truth["areas_Gc_N_per_mm_sigma_c_MPa"].as_array().filter(|all| all.len() == areas)?;
-    all[k - 1][usize::from(name == "sigma_c")].as_f64()
+    all.get(k.checked_sub(1)?)?[usize::from(name == "sigma_c")].as_f64()
 }

@@ -1,4 +1,5 @@
-//! The folder of a case, in the form of the outside suite: `config.toml`, `specimen.toml`, records, `truth.json`.
+//! The folder of a case, in the form of the outside suite: `config.toml`, `specimen.toml`, records, `truth.json`; and
+//! `known.toml`, in which the model has what is hidden.
 
 use crate::GenerateError;
 use crate::draw::Tissue;
@@ -96,6 +97,7 @@ pub fn write(
     };
     std::fs::create_dir_all(folder).map_err(|e| GenerateError::file(&folder.display().to_string(), &e))?;
     put("config.toml", &config(fit))?;
+    put("known.toml", &(config(fit) + &in_the_model(truth)))?;
     put("specimen.toml", &specimen(&truth.name, geometry, records))?;
     for (name, record) in records {
         put(&format!("{name}.csv"), &csv(record))?;
@@ -103,6 +105,12 @@ pub fn write(
     let json = serde_json::to_string_pretty(truth).map_err(|e| GenerateError::file("truth.json", &e))?;
     // Last: a folder with a truth is complete.
     put("truth.json", &json)
+}
+
+/// What is hidden, as effects of the model with the values of their cards; nothing for what no catalogue holds.
+fn in_the_model(truth: &Truth) -> String {
+    let known = truth.effects.iter().filter(|_| !truth.is_outside());
+    known.map(|e| format!("[effects.{e}]\n")).collect()
 }
 
 fn specimen(name: &str, g: &Geometry, records: &[(String, Record)]) -> String {
