@@ -112,7 +112,8 @@ fn json(file: &Path) -> Result<Value, Box<dyn Error>> {
 /// The answer's page: the last model of a search, else an identification.
 fn answers_page(run: &Path) -> Result<Value, Box<dyn Error>> {
     let count = (0..).take_while(|k| run.join(format!("rungs/{k}")).is_dir()).count();
-    let page = count.checked_sub(1).map_or("summary.json".into(), |last| format!("rungs/{last}/summary.json"));
+    let page =
+        count.checked_sub(1).map_or("summary.json".into(), |last| format!("rungs/{last}/summary.json"));
     json(&run.join(page))
 }
 

@@ -36,8 +36,8 @@ pub use correction::Correction;
 pub use cost::{Meter, Metered, Phase, PhaseCost, Watch, Within};
 pub use data::{DataBlock, Measured, RecordError};
 pub use design::{
-    Asked, Confirmed, DesignAnswer, DesignRequest, Expected, Foresight, Known, RatedProtocol, Variant, design,
-    first_look,
+    Asked, Confirmed, DesignAnswer, DesignRequest, Expected, Foresight, Known, RatedProtocol, Variant,
+    design, first_look,
 };
 pub use doctor::{Advice, Doctor, RecordFindings, doctor};
 pub use held_out::HeldOut;

@@ -33,9 +33,16 @@ fn promised_and_found(areas: usize) -> Vec<(String, Expected)> {
         let promised = shows.parameters.iter().find(|k| k.path == e.path).expect("the same parameters");
         let error = e.std_error.map(|sd| sd / e.value);
         let fixed = promised.expected == Expected::Fixed;
-        println!("{}: {:?} promised {:.3}, found {error:?}", e.path, promised.expected, promised.relative_error);
+        println!(
+            "{}: {:?} promised {:.3}, found {error:?}",
+            e.path, promised.expected, promised.relative_error
+        );
         assert!(e.identifiable || !fixed, "{}: called fixed, not identified", e.path);
-        assert!(!e.identifiable || promised.expected != Expected::Open, "{}: called open, identified", e.path);
+        assert!(
+            !e.identifiable || promised.expected != Expected::Open,
+            "{}: called open, identified",
+            e.path
+        );
         let over = error.map_or(f64::INFINITY, |e| e / promised.relative_error);
         assert!(!fixed || (0.5..2.0).contains(&over), "{}: {over} of the promise", e.path);
     }

@@ -35,4 +35,8 @@ impl analysis::Journal for RunJournal {
             let _ = files::make_folder_of(&path).and_then(|()| write_atomic(&path, &bytes));
         }
     }
+
+    fn has(&self, key: &str) -> bool {
+        self.folder.join(key).is_file()
+    }
 }

@@ -89,7 +89,13 @@ fn shows(out: &mut Vec<String>, f: &Foresight) {
         or_none(list.join(", "))
     };
     let by = if f.counts_mesh { "noise and the mesh's error" } else { "noise alone" };
-    push(out, &format!("parameters they fix (standard error by {by}, no effect present): {}", expected(Expected::Fixed, &error)));
+    push(
+        out,
+        &format!(
+            "parameters they fix (standard error by {by}, no effect present): {}",
+            expected(Expected::Fixed, &error)
+        ),
+    );
     if let Some(opening) = opening(f) {
         push(out, &format!("of these so many may be open beside an effect: {opening}"));
     }

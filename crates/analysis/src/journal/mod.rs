@@ -22,6 +22,10 @@ pub trait Journal: Sync {
     fn get(&self, key: &str) -> Option<Vec<u8>>;
     /// Keeps something.
     fn put(&self, key: &str, content: &[u8]);
+    /// Whether something is kept under a key.
+    fn has(&self, key: &str) -> bool {
+        self.get(key).is_some()
+    }
 }
 
 /// Keeps nothing.
@@ -36,7 +40,7 @@ impl Journal for NoJournal {
     fn put(&self, _: &str, _: &[u8]) {}
 }
 
-/// Keeps the fits of one analysis in memory, beside where they are kept for others: what a search does twice is done once.
+/// Keeps the fits of one analysis, in memory where they are kept nowhere else: what a search does twice is done once.
 pub(crate) struct Recent<'a> {
     kept: Mutex<BTreeMap<String, Vec<u8>>>,
     beside: &'a dyn Journal,
@@ -59,8 +63,10 @@ impl Journal for Recent<'_> {
     }
 
     fn put(&self, key: &str, content: &[u8]) {
-        self.kept().insert(key.to_owned(), content.to_vec());
         self.beside.put(key, content);
+        if !self.beside.has(key) {
+            self.kept().insert(key.to_owned(), content.to_vec());
+        }
     }
 }
 
@@ -286,3 +292,6 @@ impl StoredState {
         Kept { guess: Guess { u: self.u, pressure: self.pressure }, path: self.path }
     }
 }
+
+#[cfg(test)]
+mod tests;
