@@ -52,9 +52,13 @@ peers:
 practice:
     cargo run --release -p analysis --example disc -- ../shared/practice/*/config.toml
 
-# The hidden-effect study: makes 244 cases in runs/hidden, diagnoses them, writes docs/hidden.md. Hours; resumes.
+# The hidden-effect study: makes 244 cases in runs/hidden, diagnoses them, writes docs/hidden.md. A day; resumes.
 hidden:
     cargo run --release -p hidden-suite -- all
+
+# The sample of it that docs/hidden.md has: every fourteenth case of fresh seeds. Two hours; resumes.
+hidden-sample:
+    cargo run --release -p hidden-suite -- all --seed 84000 --every 14 --dir runs/hidden-84000
 
 # Every eleventh case of it, both protocols and all strengths among them; the report goes beside the cases.
 hidden-quick:
