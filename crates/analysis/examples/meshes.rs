@@ -8,9 +8,10 @@ use model::{Discretisation, Model};
 use std::sync::Arc;
 
 /// Times as coarse as the file's mesh, steps of a tearing and of a uniaxial test; the first is the reference.
-const TRIED: [(f64, (usize, usize)); 7] = [
-    (1.0, (60, 28)),
-    (1.0, (15, 8)),
+const TRIED: [(f64, (usize, usize)); 8] = [
+    (1.0, (192, 80)),
+    (1.0, (48, 20)),
+    (1.0, (25, 11)),
     (2.0, (30, 14)),
     (2.0, (15, 8)),
     (3.0, (15, 8)),

@@ -89,6 +89,12 @@ impl TestModel {
         self.template.rate_dependent()
     }
 
+    /// Whether load train or bulk remember how far they were moved, whenever that was: their answer has corners at turns.
+    pub fn remembers_turns(&self) -> bool {
+        let play = self.template.takeup.iter().any(|l| !l.law.history().is_empty());
+        play || (self.has_memory() && !self.template.bulk.rate_dependent())
+    }
+
     /// The camera of this test.
     pub fn camera(&self, areas: usize) -> Camera {
         Camera::new(&self.mesh, areas)

@@ -22,6 +22,9 @@ pub struct Stepping {
     pub steps: usize,
     /// Whether a hold needs steps of its own (some law looks at time).
     pub holds: bool,
+    /// Whether the ways from a turn and back to the largest displacement so far need steps of their own (play is taken up
+    /// there, or the tissue remembers how far it was stretched).
+    pub turns: bool,
 }
 
 /// A stretch of a test on which the force is smooth.
@@ -67,6 +70,7 @@ pub fn plan(corners: &[Corner], how: Stepping) -> Plan {
         pieces: Vec::new(),
     };
     let mut so_far = [first.displacement; 2];
+    let mut before = 0.0;
     for (leg, w) in corners.windows(2).enumerate() {
         let (a, b) = (w[0], w[1]);
         if a.displacement == b.displacement {
@@ -81,8 +85,13 @@ pub fn plan(corners: &[Corner], how: Stepping) -> Plan {
             }
         }
         ends.push(b);
-        for e in ends.windows(2) {
-            ramp(&mut plan, e[0], e[1], leg, spacing);
+        let travel = b.displacement - a.displacement;
+        let turned = how.turns && before * travel < 0.0;
+        before = travel;
+        for (i, e) in ends.windows(2).enumerate() {
+            let ways = |wanted: bool| if wanted { by_a_turn(highest - lowest, spacing) } else { Vec::new() };
+            let close = [ways(turned && i == 0), ways(how.turns && so_far.contains(&e[1].displacement))];
+            ramp(&mut plan, e[0], e[1], leg, spacing, &close);
         }
         so_far = [so_far[0].min(b.displacement), so_far[1].max(b.displacement)];
     }
@@ -95,7 +104,19 @@ fn push(plan: &mut Plan, time: f64, displacement: f64) {
     plan.times.push(time);
 }
 
-fn ramp(plan: &mut Plan, a: Corner, b: Corner, leg: usize, spacing: f64) {
+/// The nearest step to a turn, as a share of the range: play is a few times that.
+const TURN_FIRST: f64 = 0.004;
+/// Ratio of one such way to the one before.
+const TURN_RATIO: f64 = 1.5;
+
+/// Ways from a turn at which the force is followed, up to the grid's spacing.
+fn by_a_turn(range: f64, spacing: f64) -> Vec<f64> {
+    let ways = std::iter::successors(Some(TURN_FIRST * range), |w| Some(TURN_RATIO * w));
+    ways.take_while(|w| *w < spacing).collect()
+}
+
+/// Steps from a corner to the next: on the grid, and at these ways from both ends outside it.
+fn ramp(plan: &mut Plan, a: Corner, b: Corner, leg: usize, spacing: f64, close_by: &[Vec<f64>; 2]) {
     let first = plan.targets.len() - 1;
     let (low, high) = (a.displacement.min(b.displacement), a.displacement.max(b.displacement));
     let margin = 0.3 * spacing;
@@ -105,10 +126,16 @@ fn ramp(plan: &mut Plan, a: Corner, b: Corner, leg: usize, spacing: f64) {
     if lines.len() < 3 {
         lines = (1..4).map(|i| low + (high - low) * f64::from(i) / 4.0).collect();
     }
-    if b.displacement < a.displacement {
+    let forth = (b.displacement - a.displacement).signum();
+    if forth < 0.0 {
         lines.reverse();
     }
-    for u in lines {
+    let (first_line, last_line) = (lines[0], lines[lines.len() - 1]);
+    let after = close_by[0].iter().map(|w| a.displacement + forth * w);
+    let after = after.filter(|u| TURN_RATIO * (u - a.displacement).abs() < (first_line - a.displacement).abs());
+    let before = close_by[1].iter().rev().map(|w| b.displacement - forth * w);
+    let before = before.filter(|u| TURN_RATIO * (u - b.displacement).abs() < (last_line - b.displacement).abs());
+    for u in after.chain(lines).chain(before) {
         let share = (u - a.displacement) / (b.displacement - a.displacement);
         push(plan, a.time + share * (b.time - a.time), u);
     }
@@ -193,7 +220,7 @@ mod tests {
         let c = |time: f64, displacement: f64| Corner { time, displacement };
         let p = plan(
             &[c(0.0, 0.0), c(20.0, 1.03), c(35.0, 0.31), c(60.0, 1.6)],
-            Stepping { steps: 20, holds: false },
+            Stepping { steps: 20, holds: false, turns: false },
         );
         let of = |i: usize| -> Vec<u64> {
             let t = p.pieces[i].targets;
@@ -203,5 +230,46 @@ mod tests {
         };
         assert_eq!(p.pieces.len(), 4);
         assert_eq!(of(1), of(2));
+    }
+
+    /// Wherever a play of 0.4 % of the range or more is taken up, the steps beside that corner are half of its way apart, or the
+    /// grid's spacing.
+    #[test]
+    fn turns_are_followed_closely_where_they_are_remembered() {
+        let c = |time: f64, displacement: f64| Corner { time, displacement };
+        let corners = [c(0.0, 0.0), c(20.0, 4.0), c(35.0, 0.5), c(40.0, 0.5), c(60.0, 2.0), c(65.0, 4.5)];
+        let steps = 11;
+        let spacing = 4.5 / f64::from(steps);
+        let how = |turns| Stepping { steps: 11, holds: false, turns };
+        let (with, without) = (plan(&corners, how(true)), plan(&corners, how(false)));
+        let of = |p: &Plan, i: usize| -> Vec<f64> {
+            let t = p.pieces[i].targets;
+            p.targets[t[0]..=t[1]].iter().map(|t| t.actuator).collect()
+        };
+        for (piece, turn) in [(1, 4.0), (3, 0.5)] {
+            let ways: Vec<f64> = of(&with, piece).iter().map(|u| (u - turn).abs()).collect();
+            assert!(ways.windows(2).all(|w| w[0] < w[1]), "{ways:?}");
+            for k in 0..200 {
+                let play = 0.0041 * 4.5 * (1.0 + 0.1 * f64::from(k));
+                let after = ways.partition_point(|w| *w < play);
+                let Some(w) = ways.get(after) else { break };
+                let gap = w - ways[after - 1];
+                assert!(gap <= 0.5 * play + 1e-12 || gap <= 1.3 * spacing + 1e-12, "{play}: {ways:?}");
+                assert!(gap <= 0.5 * play + 1e-12 || ways[after] > 0.7 * spacing, "{play}: {ways:?}");
+            }
+            // What was there stays there: an unload and its reload visit the same states.
+            assert!(of(&without, piece).iter().all(|u| of(&with, piece).contains(u)));
+        }
+        // Back to the largest displacement by the steps of the way from it; no turn: at the start, beyond the largest.
+        let near = |p: usize| -> Vec<f64> {
+            let of = of(&with, p).into_iter().filter(|u| (u - 4.0).abs() < 0.3);
+            let mut near: Vec<f64> = of.collect();
+            near.sort_by(f64::total_cmp);
+            near
+        };
+        assert!(near(1).len() > 5);
+        assert_eq!(near(4), near(1));
+        assert_eq!(of(&with, 0), of(&without, 0));
+        assert_eq!(of(&with, 5), of(&without, 5));
     }
 }

@@ -95,7 +95,8 @@ impl Model {
     pub fn plan(&self, test: usize, options: &RunOptions) -> Plan {
         let t = &self.tests[test];
         let steps = options.steps(t.test.kind);
-        plan(&self.corners(test), Stepping { steps, holds: options.follow_holds || t.rate_dependent() })
+        let holds = options.follow_holds || t.rate_dependent();
+        plan(&self.corners(test), Stepping { steps, holds, turns: t.remembers_turns() })
     }
 
     /// Chains of tests that inherit each other's bulk history.
