@@ -8,6 +8,7 @@ mod foreseen;
 mod history_carry_over;
 mod interrupted;
 mod intervals;
+mod load_steps;
 mod neutral;
 mod promised;
 mod rate_dependent_holds;

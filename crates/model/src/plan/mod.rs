@@ -132,9 +132,11 @@ fn ramp(plan: &mut Plan, a: Corner, b: Corner, leg: usize, spacing: f64, close_b
     }
     let (first_line, last_line) = (lines[0], lines[lines.len() - 1]);
     let after = close_by[0].iter().map(|w| a.displacement + forth * w);
-    let after = after.filter(|u| TURN_RATIO * (u - a.displacement).abs() < (first_line - a.displacement).abs());
+    let after =
+        after.filter(|u| TURN_RATIO * (u - a.displacement).abs() < (first_line - a.displacement).abs());
     let before = close_by[1].iter().rev().map(|w| b.displacement - forth * w);
-    let before = before.filter(|u| TURN_RATIO * (u - b.displacement).abs() < (last_line - b.displacement).abs());
+    let before =
+        before.filter(|u| TURN_RATIO * (u - b.displacement).abs() < (last_line - b.displacement).abs());
     for u in after.chain(lines).chain(before) {
         let share = (u - a.displacement) / (b.displacement - a.displacement);
         push(plan, a.time + share * (b.time - a.time), u);
