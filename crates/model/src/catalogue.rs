@@ -48,6 +48,12 @@ impl Catalogue {
         self
     }
 
+    /// The same without the effect of this name.
+    pub fn without(mut self, name: &str) -> Self {
+        self.effects.retain(|e| e.card().name != name);
+        self
+    }
+
     /// The same with other laws.
     pub fn with_laws(mut self, laws: Laws) -> Self {
         self.laws = laws;

@@ -3,6 +3,7 @@
 use clap::{Parser, ValueEnum};
 use hidden_suite::forward::Fineness;
 use hidden_suite::report::{Beside, Study};
+use hidden_suite::run::Drawn;
 use hidden_suite::spec::{Spec, suite};
 use hidden_suite::{generate::generate, imitate, report, run};
 use std::collections::BTreeMap;
@@ -18,6 +19,8 @@ enum What {
     Imitate,
     /// Diagnose the cases that have no result yet.
     Run,
+    /// Diagnose once more the cases with one effect that the record can see, that effect taken from the catalogue.
+    LeaveOut,
     /// Write the document from the results that are there.
     Report,
     /// All of this.
@@ -80,6 +83,9 @@ fn main() -> ExitCode {
     }
     if matches!(args.what, What::Run | What::All) {
         good &= diagnose(&args, &specs);
+    }
+    if matches!(args.what, What::LeaveOut | What::All) {
+        good &= leave_out(&args, &specs);
     }
     if matches!(args.what, What::Report | What::All) {
         good &= document(&args, &specs);
@@ -159,15 +165,28 @@ fn measure(args: &Args, specs: &[Spec]) -> bool {
 }
 
 fn diagnose(args: &Args, specs: &[Spec]) -> bool {
-    let open = open(args, specs, |f| run::stored(f).is_some());
+    let open = open(args, specs, |f| run::stored(f, Drawn::All).is_some());
     eprintln!("{} cases to diagnose", open.len());
-    run::each(&open, args.jobs, |f| {
+    ask(args, &open, Drawn::All);
+    true
+}
+
+fn leave_out(args: &Args, specs: &[Spec]) -> bool {
+    let worth = |f: &Path| run::stored(f, Drawn::All).is_some_and(|o| o.is_visible_single());
+    let open = open(args, specs, |f| run::stored(f, Drawn::LeftOut).is_some() || !worth(f));
+    eprintln!("{} cases to diagnose without their effect", open.len());
+    ask(args, &open, Drawn::LeftOut);
+    true
+}
+
+fn ask(args: &Args, open: &[PathBuf], drawn: Drawn) {
+    run::each(open, args.jobs, |f| {
         let say = |s: &str| {
             if args.verbose {
                 eprintln!("  {}: {s}", name(f));
             }
         };
-        match run::run_case(f, Duration::from_secs(args.limit_s), &say) {
+        match run::run_case(f, drawn, Duration::from_secs(args.limit_s), &say) {
             Ok(o) => eprintln!(
                 "{} {:?} signal {:.1} → {} {:?} {:?} ({:?}, {:.0} s)",
                 o.truth.name,
@@ -182,7 +201,6 @@ fn diagnose(args: &Args, specs: &[Spec]) -> bool {
             Err(e) => eprintln!("{}: {e}", name(f)),
         }
     });
-    true
 }
 
 fn short(by_test: &BTreeMap<String, f64>) -> String {
@@ -194,12 +212,16 @@ fn name(folder: &Path) -> String {
 }
 
 fn document(args: &Args, specs: &[Spec]) -> bool {
-    let outcomes: Vec<_> = specs.iter().filter_map(|s| run::stored(&folder(args, s))).collect();
+    let stored = |drawn: Drawn| -> Vec<_> {
+        specs.iter().filter_map(|s| run::stored(&folder(args, s), drawn)).collect()
+    };
+    let outcomes = stored(Drawn::All);
     let beside = args.beside.as_ref().map(|dir| Beside::new(&args.beside_name, &outcomes, dir));
     let study = Study {
         command: format!("-- all --seed {} --every {}", args.seed, args.every),
         commit: args.commit.clone(),
         planned: specs.len(),
+        left_out: stored(Drawn::LeftOut),
     };
     let text = report::page(&outcomes, &study, beside.as_ref());
     match std::fs::write(&args.doc, text) {

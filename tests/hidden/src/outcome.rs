@@ -183,6 +183,11 @@ impl Outcome {
         self.imitated.as_ref().map_or(self.truth.visible(), imitate::visible)
     }
 
+    /// Whether one effect of the catalogue is hidden, and the record can see it.
+    pub fn is_visible_single(&self) -> bool {
+        self.truth.effects.len() == 1 && !self.truth.is_outside() && self.visible()
+    }
+
     /// Whether the answer says that the record is not explained, or that it cannot tell.
     pub fn is_honest(&self) -> bool {
         self.verdict == "unexplained" || self.verdict == "ambiguous"

@@ -7,13 +7,37 @@ use crate::outcome::{End, Outcome, ScreenRow, Stated, Step};
 use analysis::{FeLadder, Probable};
 use diagnose::{Discovery, FittedModel, Policy, Verdict};
 use input::Case;
+use model::Catalogue;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// File name of a result.
-const RESULT: &str = "result.json";
+/// What a search may draw on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drawn {
+    /// The whole catalogue.
+    All,
+    /// The catalogue without what is hidden.
+    LeftOut,
+}
+
+impl Drawn {
+    /// File name of a result.
+    const fn file(self) -> &'static str {
+        match self {
+            Self::All => "result.json",
+            Self::LeftOut => "left-out.json",
+        }
+    }
+
+    fn catalogue(self, truth: &Truth) -> Catalogue {
+        match self {
+            Self::All => effects::catalogue(),
+            Self::LeftOut => truth.effects.iter().fold(effects::catalogue(), |c, e| c.without(e)),
+        }
+    }
+}
 
 /// Calls `work` on every item, `jobs` at a time, each in a pool of one thread (the answer does not depend on threads,
 /// and cases are independent).
@@ -48,9 +72,9 @@ pub fn folders(root: &Path) -> Result<Vec<PathBuf>, GenerateError> {
 }
 
 /// The stored result of a case, with what the base can imitate of its truth.
-pub fn stored(folder: &Path) -> Option<Outcome> {
+pub fn stored(folder: &Path, drawn: Drawn) -> Option<Outcome> {
     let mut outcome: Outcome =
-        serde_json::from_str(&std::fs::read_to_string(folder.join(RESULT)).ok()?).ok()?;
+        serde_json::from_str(&std::fs::read_to_string(folder.join(drawn.file())).ok()?).ok()?;
     outcome.imitated = imitate::stored(folder);
     Some(outcome)
 }
@@ -61,6 +85,7 @@ pub fn stored(folder: &Path) -> Option<Outcome> {
 /// When the truth cannot be read or the result not be written; a diagnosis that fails is a result.
 pub fn run_case(
     folder: &Path,
+    drawn: Drawn,
     limit: Duration,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Outcome, GenerateError> {
@@ -75,7 +100,7 @@ pub fn run_case(
     };
     // A panic of the product is a result too: one case must not end the study.
     let tried = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-        search(folder, &truth, start + limit, &told)
+        search(folder, &truth, drawn, start + limit, &told)
     }));
     let at = last.into_inner().unwrap_or_default();
     let mut outcome = match tried {
@@ -85,22 +110,23 @@ pub fn run_case(
         Err(_) => empty(truth, End::Failed(format!("panic; last said: {at}"))),
     };
     outcome.seconds = start.elapsed().as_secs_f64();
-    let path = folder.join(RESULT);
+    let path = folder.join(drawn.file());
     let fault = |e: &dyn std::fmt::Display| GenerateError::file(&path.display().to_string(), e);
     let json = serde_json::to_string_pretty(&outcome).map_err(|e| fault(&e))?;
-    let new = folder.join("result.json.new");
+    let new = path.with_extension("json.new");
     std::fs::write(&new, json).and_then(|()| std::fs::rename(&new, &path)).map_err(|e| fault(&e))?;
     Ok(outcome)
 }
 
-/// The search itself. It is given the records and the config, never the truth.
+/// The search itself. It is given the records, the config and a catalogue, never the truth.
 fn search(
     folder: &Path,
     truth: &Truth,
+    drawn: Drawn,
     deadline: Instant,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Outcome, String> {
-    let catalogue = effects::catalogue();
+    let catalogue = drawn.catalogue(truth);
     let case = input::read_case(&folder.join("config.toml"), &catalogue).map_err(|e| e.to_string())?;
     let policy = Policy::default();
     let late = || Instant::now() >= deadline;

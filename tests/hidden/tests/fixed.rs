@@ -22,7 +22,8 @@ fn diagnosed(specs: &[Spec], root: &Path) -> Vec<Outcome> {
     run::each(specs, 2, |s| {
         let folder = root.join(&s.name);
         let truth = generate(s, &Fineness::QUICK, &folder).expect("the case can be made");
-        let o = run::run_case(&folder, Duration::from_secs(600), &|_| ()).expect("the answer can be stored");
+        let o = run::run_case(&folder, run::Drawn::All, Duration::from_secs(600), &|_| ())
+            .expect("the answer can be stored");
         println!(
             "{} {:?} signal {:.1}: {} {:?} in {:.1} s",
             truth.name,

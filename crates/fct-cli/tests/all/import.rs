@@ -193,11 +193,17 @@ fn a_long_record_is_kept_whole_or_thinned_out_with_the_whole_beside() -> Tested 
     assert_eq!(lines("tear/full/tearing.csv")?, 6001);
     let specimen = fs::read_to_string(here.join("tear/specimen.toml"))?;
     assert!(specimen.contains("force_sd_N = "), "{specimen}");
-    assert!(fct(here, &["check", "tear/specimen.toml"])?.status.success());
+    // On a mesh of few elements: what the record may show is not asked here.
+    let checks = |specimen: &str| -> Result<bool, Box<dyn std::error::Error>> {
+        let text = format!("specimen = \"{specimen}\"\n[mesh]\ndivisions = [4, 4, 1]\n");
+        fs::write(here.join("check.toml"), text)?;
+        Ok(fct(here, &["check", "check.toml"])?.status.success())
+    };
+    assert!(checks("tear/specimen.toml")?);
     // No noise shows: none is declared, and `check` takes the specimen.
     assert!(fct(here, &["import", "quiet.csv", "--geometry", "g.toml", "--points", "400"])?.status.success());
     assert!(!fs::read_to_string(here.join("quiet/specimen.toml"))?.contains("force_sd_N"));
-    assert!(fct(here, &["check", "quiet/specimen.toml"])?.status.success());
+    assert!(checks("quiet/specimen.toml")?);
     let all = json(here, &["import", "tear.csv", "--geometry", "g.toml", "--out", "all"])?.1;
     assert_eq!(all["tests"][0]["points"], 6000);
     Ok(())

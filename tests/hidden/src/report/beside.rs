@@ -17,7 +17,7 @@ impl Beside {
     /// Reads `dir/CASE/result.json` of every outcome's case; what is missing there is not counted.
     pub fn new(name: &str, outcomes: &[Outcome], dir: &Path) -> Self {
         let one = |own: &Outcome| {
-            let mut other = run::stored(&dir.join(&own.truth.name))?;
+            let mut other = run::stored(&dir.join(&own.truth.name), run::Drawn::All)?;
             other.imitated.clone_from(&own.imitated);
             other.stated = own.stated.as_ref().map(|s| by_names(&other, s.effects.keys()));
             Some(other)

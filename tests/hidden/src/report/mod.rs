@@ -2,10 +2,13 @@
 
 mod beside;
 mod criteria;
+mod left_out;
 mod matrix;
 mod misses;
 mod scores;
 mod tables;
+#[cfg(test)]
+mod tests;
 
 pub use beside::Beside;
 
@@ -26,6 +29,8 @@ pub struct Study {
     pub commit: Option<String>,
     /// Cases that were asked for.
     pub planned: usize,
+    /// Answers to cases whose effect was taken from the catalogue.
+    pub left_out: Vec<Outcome>,
 }
 
 /// The whole page.
@@ -37,6 +42,7 @@ pub fn page(outcomes: &[Outcome], study: &Study, beside: Option<&Beside>) -> Str
     text.push_str(&scores::section(outcomes, beside));
     text.push_str(&matrix::section(outcomes));
     text.push_str(&tables::section(outcomes));
+    text.push_str(&left_out::section(&study.left_out));
     text.push_str(&misses::section(outcomes));
     text.push_str(BESIDES);
     text.lines().flat_map(folded).map(|line| line + "\n").collect()
@@ -117,7 +123,7 @@ pub(crate) fn singles(outcomes: &[Outcome]) -> Vec<&Outcome> {
 
 /// Those of them that the record can see.
 pub(crate) fn visible_singles(outcomes: &[Outcome]) -> Vec<&Outcome> {
-    singles(outcomes).into_iter().filter(|o| o.visible()).collect()
+    outcomes.iter().filter(|o| o.is_visible_single()).collect()
 }
 
 /// Names of a group or of several, for a cell.
