@@ -18,6 +18,7 @@ impl Base<'_> {
     ) -> Result<Vec<Option<TestRun>>, AnalysisError> {
         let mut options = self.options;
         options.follow_holds = true;
+        options.follow_turns = true;
         let mut out: Vec<Option<TestRun>> = (0..self.model.tests.len()).map(|_| None).collect();
         let mut before: Option<(State, Vec<Chunk<8>>, Vec<Chunk<1>>)> = None;
         let memoryless = self.model.tests.iter().all(|t| !t.has_memory());

@@ -102,6 +102,7 @@ pub(super) fn options(case: &Case, steps: Steps) -> RunOptions {
     let mut o = crate::identify::run_options(case);
     (o.tearing_steps, o.uniaxial_steps) = steps;
     o.follow_holds = true;
+    o.follow_turns = true;
     o.stepping.newton.tolerance = o.stepping.newton.tolerance.max(crate::identify::SEARCH_TOLERANCE);
     o.stepping.budget = crate::identify::TRIAL_BUDGET;
     o

@@ -41,7 +41,8 @@ sigma_c_MPa = 0.05
 }
 
 fn options() -> RunOptions {
-    RunOptions { tearing_steps: 16, uniaxial_steps: 10, follow_holds: true, ..RunOptions::default() }
+    let steps = RunOptions { tearing_steps: 16, uniaxial_steps: 10, ..RunOptions::default() };
+    RunOptions { follow_holds: true, follow_turns: true, ..steps }
 }
 
 fn predict(case: &Case, catalogue: &Catalogue, set: &[(String, f64)]) -> DVector<f64> {

@@ -50,6 +50,7 @@ fn slopes(model: &Model, of: &str, beside: &[&str]) -> Vec<f64> {
         tearing_steps: 12,
         uniaxial_steps: 6,
         follow_holds: true,
+        follow_turns: false,
     };
     let request = Request {
         theta: &theta,

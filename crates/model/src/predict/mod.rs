@@ -30,6 +30,8 @@ pub struct RunOptions {
     pub uniaxial_steps: usize,
     /// Follow holds even if no law looks at time (the screen's effects may).
     pub follow_holds: bool,
+    /// The same of the ways by a turn, if neither load train nor bulk remember them.
+    pub follow_turns: bool,
 }
 
 impl Default for RunOptions {
@@ -39,6 +41,7 @@ impl Default for RunOptions {
             tearing_steps: 48,
             uniaxial_steps: 20,
             follow_holds: false,
+            follow_turns: false,
         }
     }
 }
@@ -96,7 +99,8 @@ impl Model {
         let t = &self.tests[test];
         let steps = options.steps(t.test.kind);
         let holds = options.follow_holds || t.rate_dependent();
-        plan(&self.corners(test), Stepping { steps, holds, turns: t.remembers_turns() })
+        let turns = options.follow_turns || t.remembers_turns();
+        plan(&self.corners(test), Stepping { steps, holds, turns })
     }
 
     /// Chains of tests that inherit each other's bulk history.
