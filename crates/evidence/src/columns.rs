@@ -21,25 +21,24 @@ impl Evidence {
     /// nothing is left.
     pub fn rest_columns(&self, record: &Record, rest: &RestPrior, beyond: f64) -> Vec<DVector<f64>> {
         let weights = self.weights(&View { rest, amplitude: 1.0 }, beyond);
-        let mut sizes: Vec<RestSize> = Vec::new();
+        let mut sizes: Vec<(RestSize, Option<usize>)> = Vec::new();
         for (w, node) in weights.iter().zip(&self.nodes).filter(|(w, _)| **w > NEGLIGIBLE) {
             let size = RestSize {
                 tau: w.sqrt() * node.size.tau,
                 upsilon: w.sqrt() * node.size.upsilon,
                 ..node.size
             };
-            let same = |s: &&mut RestSize| {
-                (s.smooth_length, s.jerk_length) == (size.smooth_length, size.jerk_length)
-            };
-            match sizes.iter_mut().find(same) {
-                Some(s) => (s.tau, s.upsilon) = (s.tau.hypot(size.tau), s.upsilon.hypot(size.upsilon)),
-                None => sizes.push(size),
+            let key = |s: &RestSize, only| (s.smooth_length, s.jerk_length, only);
+            match sizes.iter_mut().find(|(s, only)| key(s, *only) == key(&size, node.only)) {
+                Some((s, _)) => (s.tau, s.upsilon) = (s.tau.hypot(size.tau), s.upsilon.hypot(size.upsilon)),
+                None => sizes.push((size, node.only)),
             }
         }
         let mut out = Vec::new();
         for block in &record.blocks {
             let s = &block.points.s;
-            let k = |i: usize, j: usize| sizes.iter().map(|z| z.covariance((s[i] - s[j]).abs())).sum::<f64>();
+            let here: Vec<RestSize> = sizes.iter().map(|(z, only)| z.in_test(block.number, *only)).collect();
+            let k = |i: usize, j: usize| here.iter().map(|z| z.covariance((s[i] - s[j]).abs())).sum::<f64>();
             for column in pivoted_cholesky(s.len(), k) {
                 let mut full = DVector::zeros(record.full);
                 for (&row, v) in block.rows.iter().zip(&column) {

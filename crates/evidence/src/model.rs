@@ -4,7 +4,7 @@ use crate::integral::lattice;
 use crate::linear::{Linear, Parameter, Reduced, Solved};
 use crate::orthogonal;
 use crate::process::{Process, RestSize};
-use crate::record::{EvidenceError, Record};
+use crate::record::{BlockPoints, EvidenceError, Record};
 use crate::rest::{RestPrior, SUPPORTS};
 use crate::special::ln_sum_exp;
 use nalgebra::{DMatrix, DVector};
@@ -39,9 +39,19 @@ const MESH_SCALES: [f64; 2] = [0.211_324_865_405, 0.788_675_134_595];
 pub(crate) struct Node {
     pub size: RestSize,
     pub support: usize,
-    /// ln of (prior mass of the lengths × volume in (ln τ, ln υ)).
+    /// The only test with a rest; `None`: all of them.
+    pub only: Option<usize>,
+    /// ln of (prior mass of the place and of the lengths × volume in (ln τ, ln υ)).
     pub ln_volume: f64,
     reduced: Reduced,
+}
+
+/// Which rest: its parts, its place, its lengths, and the prior mass of the last two.
+struct Support {
+    support: usize,
+    only: Option<usize>,
+    lengths: RestSize,
+    ln_mass: f64,
 }
 
 /// The evidence of a model, with everything to ask it again under other priors.
@@ -79,8 +89,15 @@ pub(crate) fn columns(record: &Record, linear: &Linear) -> DMatrix<f64> {
     x
 }
 
-fn reduce(record: &Record, x: &DMatrix<f64>, parameters: usize, size: RestSize, kernel: Kernel) -> Reduced {
-    let processes: Vec<Process<'_>> = record.blocks.iter().map(|b| Process::new(&b.points, size)).collect();
+fn reduce<'r>(
+    record: &'r Record,
+    x: &DMatrix<f64>,
+    parameters: usize,
+    (size, only): (RestSize, Option<usize>),
+    kernel: Kernel,
+) -> Reduced {
+    let process = |b: &'r BlockPoints| Process::new(&b.points, size.in_test(b.number, only));
+    let processes: Vec<Process<'_>> = record.blocks.iter().map(process).collect();
     let mut ln_det: f64 = processes.iter().map(|p| p.ln_det).sum();
     let mut white = x.clone();
     for mut column in white.column_iter_mut() {
@@ -144,7 +161,10 @@ impl Evidence {
             for &(l1, m1) in if smooth { rest.smooth_lengths.as_slice() } else { &one } {
                 for &(l2, m2) in if jerk { rest.jerk_lengths.as_slice() } else { &one } {
                     let lengths = RestSize { tau: 0.0, upsilon: 0.0, smooth_length: l1, jerk_length: l2 };
-                    out.integrate(record, &x, p, kernel, &view, (support, lengths, (m1 * m2).ln()));
+                    for (only, m3) in rest.places([smooth, jerk], record.tests) {
+                        let at = Support { support, only, lengths, ln_mass: (m1 * m2 * m3).ln() };
+                        out.integrate(record, &x, p, kernel, &view, &at);
+                    }
                 }
             }
         }
@@ -177,8 +197,10 @@ impl Evidence {
                     smooth_length: l1,
                     jerk_length: l2,
                 };
-                let reduced = reduce(record, &x, p, size, kernel);
-                out.nodes.push(Node { size, support, ln_volume: 0.0, reduced });
+                for (only, mass) in rest.places([smooth, jerk], record.tests) {
+                    let reduced = reduce(record, &x, p, (size, only), kernel);
+                    out.nodes.push(Node { size, support, only, ln_volume: mass.ln(), reduced });
+                }
             }
         }
         Ok(out)
@@ -196,7 +218,7 @@ impl Evidence {
     ) -> Result<f64, EvidenceError> {
         linear.check(record)?;
         let x = columns(record, linear);
-        let reduced = reduce(record, &x, linear.parameters.len(), size, kernel);
+        let reduced = reduce(record, &x, linear.parameters.len(), (size, None), kernel);
         Ok(reduced.solve(&linear.parameters, 1.0, 1.0, 1.0).ln_z - record.ln_units)
     }
 
@@ -214,7 +236,7 @@ impl Evidence {
         }
     }
 
-    /// Adds the nodes of one support and one pair of lengths.
+    /// Adds the nodes of one support, place and pair of lengths.
     fn integrate(
         &mut self,
         record: &Record,
@@ -222,7 +244,7 @@ impl Evidence {
         p: usize,
         kernel: Kernel,
         view: &View<'_>,
-        (support, lengths, ln_mass): (usize, RestSize, f64),
+        &Support { support, only, lengths, ln_mass }: &Support,
     ) {
         let [smooth, jerk] = SUPPORTS[support];
         let size = |y: [f64; 2]| match (smooth, jerk) {
@@ -233,7 +255,7 @@ impl Evidence {
         };
         let node = |y: [f64; 2], ln_volume: f64| {
             let size = size(y);
-            Node { size, support, ln_volume, reduced: reduce(record, x, p, size, kernel) }
+            Node { size, support, only, ln_volume, reduced: reduce(record, x, p, (size, only), kernel) }
         };
         let first = if smooth { view.rest.smooth } else { view.rest.jerk };
         let start = [(0.5 * first).ln(), (0.5 * view.rest.jerk).ln()];

@@ -25,6 +25,11 @@ impl RestSize {
     /// No rest: noise alone.
     pub const NONE: Self = Self { tau: 0.0, upsilon: 0.0, smooth_length: 0.2, jerk_length: 0.014 };
 
+    /// The rest in one test, where it is in `only` that or in all.
+    pub(crate) fn in_test(self, test: usize, only: Option<usize>) -> Self {
+        if only.is_none_or(|t| t == test) { self } else { Self { tau: 0.0, upsilon: 0.0, ..self } }
+    }
+
     /// Covariance of the rest at path distance `d ≥ 0`.
     pub fn covariance(&self, d: f64) -> f64 {
         let a = 3f64.sqrt() * d / self.smooth_length;

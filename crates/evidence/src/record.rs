@@ -53,6 +53,8 @@ pub(crate) fn length(what: impl Into<String>, found: usize, expected: usize) -> 
 #[derive(Clone, Debug)]
 pub(crate) struct BlockPoints {
     pub test: String,
+    /// Which of the record's tests that is.
+    pub number: usize,
     pub rows: Vec<usize>,
     pub points: Points,
     pub peak: f64,
@@ -62,6 +64,8 @@ pub(crate) struct BlockPoints {
 #[derive(Clone, Debug)]
 pub struct Record {
     pub(crate) blocks: Vec<BlockPoints>,
+    /// How many tests they belong to.
+    pub(crate) tests: usize,
     pub(crate) full: usize,
     pub(crate) used: usize,
     /// Degrees of freedom that the least known noise level was estimated with.
@@ -91,7 +95,8 @@ impl Record {
             length("mask of points", keep.len(), data.points())?;
         }
         let takes_part = |i: usize| data.is_used(i) && keep.is_none_or(|k| k[i]);
-        let mut blocks = Vec::new();
+        let mut blocks: Vec<BlockPoints> = Vec::new();
+        let mut tests = 0;
         for (block, place) in data.blocks.iter().zip(places) {
             length(format!("path of {}", block.name), place.s.len(), block.range.len())?;
             positive(format!("peak of {}", block.name), place.peak)?;
@@ -101,7 +106,9 @@ impl Record {
                 (0..rows.len()).map(|k| if k > 0 { (rows[k] - rows[k - 1]) as u32 } else { 1 }).collect();
             let s = rows.iter().map(|&i| place.s[i - block.range.start]).collect();
             let points = Points { s, gap, sd: block.noise.sd / place.peak, ar1: block.noise.ar1 };
-            blocks.push(BlockPoints { test: place.test.clone(), rows, points, peak: place.peak });
+            let number = blocks.iter().find(|b| b.test == place.test).map_or(tests, |b| b.number);
+            tests = tests.max(number + 1);
+            blocks.push(BlockPoints { test: place.test.clone(), number, rows, points, peak: place.peak });
         }
         let used = blocks.iter().map(|b| b.rows.len()).sum();
         if used == 0 {
@@ -109,7 +116,8 @@ impl Record {
         }
         let freedom = data.blocks.iter().map(|b| b.noise.freedom).fold(f64::INFINITY, f64::min);
         let ln_units = blocks.iter().map(|b| b.rows.len() as f64 * b.peak.ln()).sum();
-        let mut record = Self { blocks, full: data.points(), used, freedom, mesh: Vec::new(), ln_units };
+        let mut record =
+            Self { blocks, tests, full: data.points(), used, freedom, mesh: Vec::new(), ln_units };
         record.mesh = data.nuisance_columns().iter().filter_map(|e| record.capped(e, most_mesh)).collect();
         Ok(record)
     }

@@ -1,7 +1,7 @@
 //! How much is left: the rest itself, drawn from its posterior.
 
 use crate::linear::Linear;
-use crate::model::{Evidence, View, columns};
+use crate::model::{Evidence, Node, View, columns};
 use crate::process::Process;
 use crate::record::Record;
 use crate::rest::RestPrior;
@@ -109,8 +109,8 @@ fn one_draw(
     node: usize,
     random: &mut Random,
 ) -> Vec<f64> {
-    let size = evidence.nodes[node].size;
-    if evidence.nodes[node].support == 0 {
+    let Node { size, only, support, .. } = evidence.nodes[node];
+    if support == 0 {
         return vec![0.0; record.blocks.len()];
     }
     let solved = evidence.solved(node);
@@ -122,7 +122,7 @@ fn one_draw(
     let mut squares = Vec::new();
     for block in &record.blocks {
         let n = block.rows.len();
-        let process = Process::new(&block.points, size);
+        let process = Process::new(&block.points, size.in_test(block.number, only));
         let (prior, noise) = process.draw(random);
         let wrong: Vec<f64> = (0..n).map(|i| u[at + i] - prior[i] - noise[i]).collect();
         let mut solved = wrong.clone();

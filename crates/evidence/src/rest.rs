@@ -12,6 +12,8 @@ pub struct RestPrior {
     pub jerk: f64,
     /// Prior mass at zero, of each.
     pub zero: f64,
+    /// Prior mass of one test alone, all of them alike, where one part is there without the other.
+    pub alone: f64,
     /// Lengths ℓ₁ of the smooth part, share of the record, with their prior masses.
     pub smooth_lengths: Vec<(f64, f64)>,
     /// Lengths ℓ₂ of the jerks.
@@ -29,6 +31,7 @@ impl Default for RestPrior {
             smooth: 0.015,
             jerk: 0.010,
             zero: 0.5,
+            alone: 0.5,
             smooth_lengths: vec![(0.134, 0.5), (0.298, 0.5)],
             jerk_lengths: vec![(0.0141, 1.0)],
             else_median: 4.0,
@@ -50,6 +53,15 @@ impl RestPrior {
             else_median: self.else_median / factor,
             ..self.clone()
         }
+    }
+
+    /// Where the rest of a support may be, with prior masses: in all of so many tests (`None`) or in one alone.
+    pub(crate) fn places(&self, support: [bool; 2], tests: usize) -> Vec<(Option<usize>, f64)> {
+        if tests < 2 || support[0] == support[1] {
+            return vec![(None, 1.0)];
+        }
+        let one = (0..tests).map(|t| (Some(t), self.alone / tests as f64));
+        std::iter::once((None, 1.0 - self.alone)).chain(one).collect()
     }
 
     fn half_normal(x: f64, scale: f64) -> f64 {
