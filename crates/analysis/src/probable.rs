@@ -2,12 +2,13 @@
 //! fitted by the columns of the screens.
 
 use crate::ladder::{FeLadder, Fitted};
-use crate::weigh::{AtFit, Beliefs, Scale};
+use crate::weigh::{AtFit, Beliefs, Known, Scale};
 use diagnose::Candidate;
 use evidence::{EvidenceError, ExplainedTo, Judged, Posterior, Remains, SetProbability};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::sync::PoisonError;
 
 /// Sets that are listed hold at least this share of the posterior.
 const LISTED: f64 = 1e-3;
@@ -111,47 +112,69 @@ pub(crate) fn probable_with_models(
         Scale::new(&measured, ladder.fitted_models.values().map(AtFit::from), ladder.catalogue(), &beliefs)?;
     let fitted_models: Vec<(&Vec<String>, AtFit)> =
         ladder.fitted_models.iter().map(|(k, f)| (k, f.into())).collect();
-    let weighed = scale.weigh(&fitted_models)?;
-    let mut models: Vec<Judged> = weighed.iter().map(|w| w.judged.clone()).collect();
-    models.extend(beside(ladder, &scale, &weighed)?);
+    let mut known = ladder.known.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut models = scale.weigh(&fitted_models, &mut known)?;
+    let unfitted = beside(ladder, &scale, &mut known, &models)?;
+    models.extend(unfitted);
     let posterior = Posterior::of(&models, &beliefs.sets);
-    // What is left is said of a model that was fitted.
-    let fitted = posterior.sets.iter().find_map(|s| {
-        weighed.iter().find(|w| w.judged.effects == s.effects).and_then(|w| Some((w, w.evidence.as_ref()?)))
-    });
-    let (leader, evidence) = fitted.ok_or(EvidenceError::Empty)?;
-    let rest = evidence::remains(&scale.record, &leader.linear, evidence, &beliefs.rest, beliefs.sets.beyond);
-    let left = Left { explained_to: rest.explained_to(beliefs.practice), rest };
+    // What is left is said of a model that was fitted, and is not far behind.
+    let leader = (posterior.sets.iter())
+        .find(|s| known.weighed(&s.effects).is_some_and(|m| m.judged.is_some()))
+        .ok_or(EvidenceError::Empty)?;
+    let left = left(&scale, &mut known, &leader.effects)?;
     Ok((Probable { posterior: posterior.clone().into(), left }, posterior, models))
+}
+
+/// What a weighed model leaves.
+fn left(scale: &Scale, known: &mut Known, effects: &[String]) -> Result<Left, EvidenceError> {
+    let model = known.weighed(effects).ok_or(EvidenceError::Empty)?;
+    if let Some(left) = &model.left {
+        return Ok(left.clone());
+    }
+    let left = scale.left(&model.linear)?;
+    known.change(effects, |m| m.left = Some(left.clone()));
+    Ok(left)
+}
+
+/// A set that was not fitted, beside the one whose screen says what is gained.
+struct Asked<'a> {
+    larger: Vec<String>,
+    judged: &'a Judged,
+    fitted: &'a Fitted,
+    candidate: &'a Candidate,
 }
 
 /// Sets beside the fitted ones, by the columns of every screen: the most that any screen makes of each.
 fn beside(
     ladder: &FeLadder,
     scale: &Scale,
-    weighed: &[crate::weigh::Weighed],
+    known: &mut Known,
+    weighed: &[Judged],
 ) -> Result<Vec<Judged>, EvidenceError> {
-    let mut asked: Vec<(Vec<String>, usize, &Fitted, &Candidate)> = Vec::new();
+    let mut asked: Vec<Asked> = Vec::new();
     for (key, candidates) in &ladder.screened {
-        let (Some(f), Some(at)) =
-            (ladder.fitted_models.get(key), weighed.iter().position(|w| &w.judged.effects == key))
+        let (Some(fitted), Some(judged)) =
+            (ladder.fitted_models.get(key), weighed.iter().find(|j| &j.effects == key))
         else {
             continue;
         };
         for candidate in candidates {
             let larger = FeLadder::key(&[key.as_slice(), std::slice::from_ref(&candidate.effect)].concat());
             if !ladder.fitted_models.contains_key(&larger) && ladder.compatible(&larger) {
-                asked.push((larger, at, f, candidate));
+                asked.push(Asked { larger, judged, fitted, candidate });
             }
         }
     }
-    let one = |(larger, at, f, candidate): &(Vec<String>, usize, &Fitted, &Candidate)| {
-        let gain = scale.gain(&weighed[*at].linear, AtFit::from(*f), candidate)?;
-        Ok(gain.map(|g| weighed[*at].judged.extended(larger, g)))
+    let gain = |a: &Asked| {
+        let of = known.weighed(&a.judged.effects).ok_or(EvidenceError::Empty)?;
+        scale.gain(of, AtFit::from(a.fitted), a.candidate)
     };
-    let judged: Vec<Option<Judged>> = asked.par_iter().map(one).collect::<Result<_, EvidenceError>>()?;
+    let gains: Vec<Option<f64>> = asked.par_iter().map(gain).collect::<Result<_, EvidenceError>>()?;
     let mut best: BTreeMap<Vec<String>, Judged> = BTreeMap::new();
-    for j in judged.into_iter().flatten() {
+    for (a, gain) in asked.iter().zip(gains) {
+        known.change(&a.judged.effects, |m| m.note_gain(a.candidate, gain));
+        let Some(gain) = gain else { continue };
+        let j = a.judged.extended(&a.larger, gain);
         if best.get(&j.effects).is_none_or(|b| b.ln_z() < j.ln_z()) {
             best.insert(j.effects.clone(), j);
         }

@@ -8,6 +8,7 @@ mod integral;
 mod intervals;
 mod linear;
 mod model;
+mod node;
 mod orthogonal;
 mod path;
 mod posterior;
@@ -17,6 +18,7 @@ mod remains;
 mod rest;
 pub mod scores;
 pub mod special;
+mod spectrum;
 mod truncated;
 
 pub use decide::{CREDIBLE, Decision, Verdict, WRONG_NAME, decide};

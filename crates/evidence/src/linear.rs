@@ -124,7 +124,8 @@ pub(crate) struct Solved {
     pub root: DMatrix<f64>,
 }
 
-const LN_TAU: f64 = 1.837_877_066_409_345_3;
+/// ln 2π.
+pub(crate) const LN_TAU: f64 = 1.837_877_066_409_345_3;
 
 impl Reduced {
     /// ln ∫ p(r | x, a) p(x) p(a) dx da with noise and rest scaled by `kappa`, amplitudes' beliefs `wider`, and mesh factors

@@ -1,13 +1,15 @@
 //! Evidence of one model: the Gaussian integral over its parameters, integrated over the size of the rest.
 
 use crate::integral::lattice;
-use crate::linear::{Linear, Parameter, Reduced, Solved};
-use crate::orthogonal;
-use crate::process::{Process, RestSize};
-use crate::record::{BlockPoints, EvidenceError, Record};
+use crate::linear::{Linear, Parameter, Solved};
+use crate::node::{Node, kappas, reduce};
+use crate::process::RestSize;
+use crate::record::{EvidenceError, Record};
 use crate::rest::{RestPrior, SUPPORTS};
 use crate::special::ln_sum_exp;
+use crate::spectrum::Beliefs;
 use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
 
 /// Which covariance the rest has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -26,24 +28,6 @@ pub struct View<'a> {
     pub rest: &'a RestPrior,
     /// Factor on the spread of every amplitude's belief.
     pub amplitude: f64,
-}
-
-/// Where a noise level estimated with fewer degrees of freedom than this is integrated over.
-const KNOWN: f64 = 1e4;
-
-/// The two-point Gauss–Legendre rule for the mesh error's scale in [0, 1].
-const MESH_SCALES: [f64; 2] = [0.211_324_865_405, 0.788_675_134_595];
-
-/// One size of the rest.
-#[derive(Clone, Debug)]
-pub(crate) struct Node {
-    pub size: RestSize,
-    pub support: usize,
-    /// The only test with a rest; `None`: all of them.
-    pub only: Option<usize>,
-    /// ln of (prior mass of the place and of the lengths × volume in (ln τ, ln υ)).
-    pub ln_volume: f64,
-    reduced: Reduced,
 }
 
 /// Which rest: its parts, its place, its lengths, and the prior mass of the last two.
@@ -68,9 +52,10 @@ pub struct Evidence {
     pub mode: Vec<f64>,
     pub(crate) parameters: Vec<Parameter>,
     pub(crate) nodes: Vec<Node>,
-    kappas: Vec<(f64, f64)>,
-    meshes: usize,
-    ln_units: f64,
+    pub(crate) beliefs: Arc<Beliefs>,
+    pub(crate) kappas: Vec<(f64, f64)>,
+    pub(crate) meshes: usize,
+    pub(crate) ln_units: f64,
 }
 
 /// Columns [H | mesh | r] in shares of the peak.
@@ -87,57 +72,6 @@ pub(crate) fn columns(record: &Record, linear: &Linear) -> DMatrix<f64> {
     let last = x.ncols() - 1;
     x.column_mut(last).copy_from_slice(&record.shares(&linear.misfit));
     x
-}
-
-fn reduce<'r>(
-    record: &'r Record,
-    x: &DMatrix<f64>,
-    parameters: usize,
-    (size, only): (RestSize, Option<usize>),
-    kernel: Kernel,
-) -> Reduced {
-    let process = |b: &'r BlockPoints| Process::new(&b.points, size.in_test(b.number, only));
-    let processes: Vec<Process<'_>> = record.blocks.iter().map(process).collect();
-    let mut ln_det: f64 = processes.iter().map(|p| p.ln_det).sum();
-    let mut white = x.clone();
-    for mut column in white.column_iter_mut() {
-        let mut left = column.as_mut_slice();
-        for (block, process) in record.blocks.iter().zip(&processes) {
-            let (here, rest) = left.split_at_mut(block.rows.len());
-            process.whiten(here);
-            left = rest;
-        }
-    }
-    let orthogonal = kernel == Kernel::Orthogonal && (size.tau > 0.0 || size.upsilon > 0.0) && parameters > 0;
-    if let Some((rows, ln)) =
-        orthogonal.then(|| orthogonal::rows(record, &processes, x, parameters)).flatten()
-    {
-        let n = white.nrows();
-        white = white.insert_rows(n, rows.nrows(), 0.0);
-        white.rows_mut(n, rows.nrows()).copy_from(&rows);
-        ln_det += ln;
-    }
-    let q = x.ncols();
-    if white.nrows() < q {
-        let n = white.nrows();
-        white = white.insert_rows(n, q - n, 0.0);
-    }
-    Reduced { factor: white.qr().r(), ln_det, points: record.used as f64 }
-}
-
-/// Scales κ of the noise's level with the logarithms of their masses: ln κ normal with the standard error that the level was
-/// estimated with. C(κσ, κτ, κυ) = κ²C(σ, τ, υ), so that no covariance is computed anew.
-fn kappas(record: &Record) -> Vec<(f64, f64)> {
-    if record.freedom >= KNOWN {
-        return vec![(1.0, 0.0)];
-    }
-    let sd = (0.5 / record.freedom.max(1.0)).sqrt();
-    // As fine as the record itself knows its level, so that no peak falls between two nodes.
-    let step = sd.min((0.5 / record.used as f64).sqrt()).max(sd / 5.0);
-    let most = (4.0 * sd / step).ceil() as i32;
-    let z = |k: i32| f64::from(k) * step / sd;
-    let norm = ln_sum_exp((-most..=most).map(|k| -0.5 * z(k) * z(k)).collect::<Vec<_>>());
-    (-most..=most).map(|k| ((f64::from(k) * step).exp(), -0.5 * z(k) * z(k) - norm)).collect()
 }
 
 impl Evidence {
@@ -163,7 +97,8 @@ impl Evidence {
                     let lengths = RestSize { tau: 0.0, upsilon: 0.0, smooth_length: l1, jerk_length: l2 };
                     for (only, m3) in rest.places([smooth, jerk], record.tests) {
                         let at = Support { support, only, lengths, ln_mass: (m1 * m2 * m3).ln() };
-                        out.integrate(record, &x, p, kernel, &view, &at);
+                        let nodes = out.integrate(record, &x, p, kernel, &view, &at);
+                        out.nodes.extend(nodes);
                     }
                 }
             }
@@ -199,7 +134,8 @@ impl Evidence {
                 };
                 for (only, mass) in rest.places([smooth, jerk], record.tests) {
                     let reduced = reduce(record, &x, p, (size, only), kernel);
-                    out.nodes.push(Node { size, support, only, ln_volume: mass.ln(), reduced });
+                    let ln_z = out.over_noise(&reduced, &out.beliefs, None);
+                    out.nodes.push(Node { size, support, only, ln_volume: mass.ln(), reduced, ln_z });
                 }
             }
         }
@@ -228,6 +164,7 @@ impl Evidence {
             ln_z_else: 0.0,
             moved: 0.0,
             mode: Vec::new(),
+            beliefs: Arc::new(Beliefs::new(&linear.parameters, 1.0, record.mesh.len())),
             parameters: linear.parameters.clone(),
             nodes: Vec::new(),
             kappas: kappas(record),
@@ -236,16 +173,16 @@ impl Evidence {
         }
     }
 
-    /// Adds the nodes of one support, place and pair of lengths.
+    /// The nodes of one support, place and pair of lengths.
     fn integrate(
-        &mut self,
+        &self,
         record: &Record,
         x: &DMatrix<f64>,
         p: usize,
         kernel: Kernel,
         view: &View<'_>,
         &Support { support, only, lengths, ln_mass }: &Support,
-    ) {
+    ) -> Vec<Node> {
         let [smooth, jerk] = SUPPORTS[support];
         let size = |y: [f64; 2]| match (smooth, jerk) {
             (false, false) => lengths,
@@ -255,7 +192,9 @@ impl Evidence {
         };
         let node = |y: [f64; 2], ln_volume: f64| {
             let size = size(y);
-            Node { size, support, only, ln_volume, reduced: reduce(record, x, p, (size, only), kernel) }
+            let reduced = reduce(record, x, p, (size, only), kernel);
+            let ln_z = self.over_noise(&reduced, &self.beliefs, None);
+            Node { size, support, only, ln_volume, reduced, ln_z }
         };
         let first = if smooth { view.rest.smooth } else { view.rest.jerk };
         let start = [(0.5 * first).ln(), (0.5 * view.rest.jerk).ln()];
@@ -263,53 +202,30 @@ impl Evidence {
         let dimensions = usize::from(smooth) + usize::from(jerk);
         let cells = lattice(dimensions, start, |y| {
             let at = node(y, 0.0);
-            let [own, other] = self.node_value(&at, view);
+            let [own, other] = self.node_value(&at, &at.ln_z, view.rest);
             seen.push((y, at));
             // Both are wanted on the same points, where either counts.
             ln_sum_exp([own, other - 2.0])
         });
-        for (y, volume) in cells {
+        let mut kept = |(y, volume)| {
             let known = seen.iter().position(|(s, _)| *s == y);
-            let mut at = known.map_or_else(|| node(y, 0.0), |k| seen.swap_remove(k).1);
-            at.ln_volume = ln_mass + volume;
-            self.nodes.push(at);
-        }
-    }
-
-    /// ln of the integrand at a node, of a complete model's rest and of one with a cause outside the catalogue.
-    fn node_value(&self, node: &Node, view: &View<'_>) -> [f64; 2] {
-        let mut parts = [Vec::new(), Vec::new()];
-        for &(kappa, ln_kappa) in &self.kappas {
-            let density =
-                view.rest.density(SUPPORTS[node.support], [kappa * node.size.tau, kappa * node.size.upsilon]);
-            let scales = if self.meshes > 0 { MESH_SCALES.as_slice() } else { &[1.0] };
-            let each =
-                scales.iter().map(|&c| node.reduced.solve(&self.parameters, view.amplitude, kappa, c).ln_z);
-            let ln_z = ln_sum_exp(each.collect::<Vec<_>>()) - (scales.len() as f64).ln();
-            for (part, d) in parts.iter_mut().zip(density) {
-                part.push(ln_kappa + d.ln() + ln_z);
-            }
-        }
-        parts.map(|p| node.ln_volume - self.ln_units + ln_sum_exp(p))
+            let at = known.map_or_else(|| node(y, 0.0), |k| seen.swap_remove(k).1);
+            Node { ln_volume: ln_mass + volume, ..at }
+        };
+        cells.into_iter().map(&mut kept).collect()
     }
 
     /// ln Z under other priors, of a complete model's rest and of one with a cause outside the catalogue. The sizes of the
     /// rest are those that the evidence was computed on.
     pub fn under(&self, view: &View<'_>) -> [f64; 2] {
-        let all: Vec<[f64; 2]> = self.nodes.iter().map(|n| self.node_value(n, view)).collect();
+        let all = self.node_values(view);
         [0, 1].map(|k| ln_sum_exp(all.iter().map(|v| v[k]).collect::<Vec<_>>()))
     }
 
     /// Nodes with the share of the posterior that each holds, both kinds of rest together; `beyond` is the prior mass of the second.
     pub(crate) fn weights(&self, view: &View<'_>, beyond: f64) -> Vec<f64> {
-        let ln: Vec<f64> = self
-            .nodes
-            .iter()
-            .map(|n| {
-                let [own, other] = self.node_value(n, view);
-                ln_sum_exp([own + (1.0 - beyond).ln(), other + beyond.ln()])
-            })
-            .collect();
+        let both = |[own, other]: [f64; 2]| ln_sum_exp([own + (1.0 - beyond).ln(), other + beyond.ln()]);
+        let ln: Vec<f64> = self.node_values(view).into_iter().map(both).collect();
         let sum = ln_sum_exp(ln.clone());
         ln.iter().map(|x| (x - sum).exp()).collect()
     }

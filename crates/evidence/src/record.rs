@@ -50,7 +50,7 @@ pub(crate) fn length(what: impl Into<String>, found: usize, expected: usize) -> 
 }
 
 /// One block's points that take part.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct BlockPoints {
     pub test: String,
     /// Which of the record's tests that is.
@@ -61,7 +61,7 @@ pub(crate) struct BlockPoints {
 }
 
 /// Everything about the records that does not depend on a model. Models are compared on the same points only.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Record {
     pub(crate) blocks: Vec<BlockPoints>,
     /// How many tests they belong to.

@@ -1,7 +1,8 @@
 //! How much is left: the rest itself, drawn from its posterior.
 
 use crate::linear::Linear;
-use crate::model::{Evidence, Node, View, columns};
+use crate::model::{Evidence, View, columns};
+use crate::node::Node;
 use crate::process::Process;
 use crate::record::Record;
 use crate::rest::RestPrior;

@@ -110,6 +110,19 @@ mod tests {
     }
 
     #[test]
+    fn places_hold_all_their_mass() {
+        let prior = RestPrior::default();
+        for (tests, one, both) in [(1, 1, 1), (2, 3, 1), (5, 6, 1)] {
+            for support in SUPPORTS {
+                let places = prior.places(support, tests);
+                let sum: f64 = places.iter().map(|p| p.1).sum();
+                let want = if support[0] == support[1] { both } else { one };
+                assert!((sum - 1.0).abs() < 1e-12 && places.len() == want, "{tests} {support:?}: {places:?}");
+            }
+        }
+    }
+
+    #[test]
     fn a_cause_outside_leads_from_four_percent_on() {
         let prior = RestPrior::default();
         let odds = |tau: f64| {

@@ -27,14 +27,15 @@ use crate::data::Measured;
 use crate::identify::{AnalysisError, coarser, fewer_steps, run_options};
 use crate::journal::Journal;
 use crate::problem::Cancelled;
+use crate::weigh::Known;
 use diagnose::{Candidate, FittedModel, Policy, Screen};
 use input::Case;
 use inverse::{Data, Fit, Free, Noise, Quality, Whitened};
 use model::cost::Purpose;
 use model::{Catalogue, Discretisation, Model, RunOptions};
 use std::collections::BTreeMap;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 
 /// A fitted rung with everything a screen or a report needs.
 pub struct Fitted {
@@ -84,6 +85,8 @@ pub struct FeLadder<'a> {
     first: Vec<f64>,
     /// The objective of a model that leaves noise alone: fits that cannot come near it are dropped.
     leader: Option<f64>,
+    /// What the models say of the records, as far as it was asked.
+    pub(crate) known: Mutex<Known>,
     runs: AtomicUsize,
     policy: Policy,
     /// States on the file's mesh at the base's optimum: first guesses there.
@@ -117,6 +120,7 @@ impl<'a> FeLadder<'a> {
             identified: None,
             first: Vec::new(),
             leader: None,
+            known: Mutex::default(),
             runs: AtomicUsize::new(0),
             policy,
             fine_states: None,

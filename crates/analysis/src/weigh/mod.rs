@@ -1,10 +1,12 @@
 //! Fitted models put to `evidence`: their linearisation, their ln Z, and what further effects would add to it.
 
 mod belief;
+mod known;
 
 use crate::columns::scales;
 use crate::data::Measured;
 use crate::ladder::Fitted;
+use crate::probable::Left;
 use belief::{amplitude, belief};
 use diagnose::Candidate;
 use evidence::special::ln_sum_exp;
@@ -13,10 +15,11 @@ use evidence::{
 };
 use input::{Case, DiagnoseConfig};
 use inverse::{Fit, Free};
+pub(crate) use known::Known;
+use known::KnownModel;
 use model::{Catalogue, Model};
 use nalgebra::DVector;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 
 /// What is believed before a record is looked at.
 #[derive(Clone, Debug)]
@@ -55,16 +58,6 @@ impl<'a> From<&'a Fitted> for AtFit<'a> {
     fn from(f: &'a Fitted) -> Self {
         Self { model: &f.model, theta: &f.theta, free_parameters: &f.free_parameters, fit: &f.fit }
     }
-}
-
-/// A fitted model with its evidence.
-pub(crate) struct Weighed {
-    /// Linearised at its fit.
-    pub linear: Linear,
-    /// ln Z and all that comes with it; none for what is far behind.
-    pub evidence: Option<Evidence>,
-    /// The same as a member of the posterior.
-    pub judged: Judged,
 }
 
 /// Where each block stands on the path of its test.
@@ -125,37 +118,77 @@ impl<'a> Scale<'a> {
         Evidence::quick(&self.record, linear, &self.beliefs.rest, Kernel::Plain)
     }
 
-    /// Every model, side by side: the integral over the rest for those that may matter, a few of its points for the others.
-    pub fn weigh(&self, all: &[(&Vec<String>, AtFit)]) -> Result<Vec<Weighed>, EvidenceError> {
-        let quick = |(_, f): &(&Vec<String>, AtFit)| {
+    /// Every model as a member of the posterior, side by side: the integral over the rest for those that may matter, a few of its
+    /// points for the others. What is known already is not computed again.
+    pub fn weigh(
+        &self,
+        all: &[(&Vec<String>, AtFit)],
+        known: &mut Known,
+    ) -> Result<Vec<Judged>, EvidenceError> {
+        known.on(&self.record);
+        let quick = |(effects, f): &(&Vec<String>, AtFit)| {
             let linear = self.linear(*f)?;
-            Ok((self.quick(&linear)?, linear))
+            let seen = known.of(effects, &linear).is_some();
+            (!seen).then(|| Ok(KnownModel::new(self.quick(&linear)?, linear))).transpose()
         };
-        let quickly: Vec<(f64, Linear)> = all.par_iter().map(quick).collect::<Result<_, EvidenceError>>()?;
-        let best = quickly.iter().map(|q| q.0).fold(f64::NEG_INFINITY, f64::max);
-        let matters: Vec<usize> = (0..all.len()).filter(|&k| quickly[k].0 > best - HOPELESS).collect();
-        let full = |&k: &usize| {
-            let evidence = self.evidence(&quickly[k].1)?;
-            let judged = Judged::new(all[k].0, &evidence, &self.beliefs.rest, 1.0, &self.beliefs.sets);
-            Ok((k, (judged, evidence)))
+        let fresh: Vec<Option<KnownModel>> =
+            all.par_iter().map(quick).collect::<Result<_, EvidenceError>>()?;
+        for ((effects, _), model) in all.iter().zip(fresh) {
+            model.into_iter().for_each(|m| known.note(effects, m));
+        }
+        self.integrate(all, known)?;
+        let models: Vec<(&Vec<String>, &KnownModel)> = (all.iter())
+            .map(|a| known.weighed(a.0).map(|m| (a.0, m)).ok_or(EvidenceError::Empty))
+            .collect::<Result<_, EvidenceError>>()?;
+        let (at, first) = (models.iter().find_map(|(_, m)| Some((m.quick, m.judged.as_ref()?))))
+            .ok_or(EvidenceError::Empty)?;
+        let judged = |(effects, m): &(&Vec<String>, &KnownModel)| {
+            m.judged.clone().unwrap_or_else(|| first.with_effects(effects, m.quick - at))
         };
-        let fully: BTreeMap<usize, (Judged, Evidence)> =
-            matters.par_iter().map(full).collect::<Result<_, EvidenceError>>()?;
-        let (k, (known, _)) = fully.iter().next().ok_or(EvidenceError::Empty)?;
-        let (at, known) = (quickly[*k].0, known.clone());
-        let one = |(k, (quick, linear)): (usize, (f64, Linear))| {
-            let (judged, evidence) = match fully.get(&k) {
-                Some((judged, evidence)) => (judged.clone(), Some(evidence.clone())),
-                None => (known.with_effects(all[k].0, quick - at), None),
-            };
-            Weighed { linear, evidence, judged }
+        Ok(models.iter().map(judged).collect())
+    }
+
+    /// The integral over the rest of those models that may matter and have none yet.
+    fn integrate(&self, all: &[(&Vec<String>, AtFit)], known: &mut Known) -> Result<(), EvidenceError> {
+        let quick = |effects: &Vec<String>| known.weighed(effects).map_or(f64::NEG_INFINITY, |m| m.quick);
+        let best = all.iter().map(|a| quick(a.0)).fold(f64::NEG_INFINITY, f64::max);
+        let open: Vec<(&Vec<String>, &Linear)> = (all.iter())
+            .filter_map(|(effects, _)| Some((*effects, known.weighed(effects)?)))
+            .filter(|(_, m)| m.quick > best - HOPELESS && m.judged.is_none())
+            .map(|(effects, m)| (effects, &m.linear))
+            .collect();
+        let one = |(effects, linear): &(&Vec<String>, &Linear)| {
+            let evidence = self.evidence(linear)?;
+            let judged = Judged::new(effects, &evidence, &self.beliefs.rest, 1.0, &self.beliefs.sets);
+            Ok(((*effects).clone(), judged))
         };
-        Ok(quickly.into_iter().enumerate().map(one).collect())
+        let done: Vec<(Vec<String>, Judged)> =
+            open.par_iter().map(one).collect::<Result<_, EvidenceError>>()?;
+        for (effects, judged) in done {
+            known.change(&effects, |m| m.judged = Some(judged));
+        }
+        Ok(())
+    }
+
+    /// What a model leaves.
+    pub fn left(&self, linear: &Linear) -> Result<Left, EvidenceError> {
+        let evidence = self.evidence(linear)?;
+        let Beliefs { rest, sets, practice } = self.beliefs;
+        let rest = evidence::remains(&self.record, linear, &evidence, rest, sets.beyond);
+        Ok(Left { explained_to: rest.explained_to(*practice), rest })
     }
 
     /// By how much ln Z changes where a candidate of a model's screen is added to it, by its columns alone: the mean over its
     /// shapes. `None` for a candidate without columns.
-    pub fn gain(&self, of: &Linear, at: AtFit, candidate: &Candidate) -> Result<Option<f64>, EvidenceError> {
+    pub fn gain(
+        &self,
+        of: &KnownModel,
+        at: AtFit,
+        candidate: &Candidate,
+    ) -> Result<Option<f64>, EvidenceError> {
+        if let Some(gain) = of.gain(candidate) {
+            return Ok(gain);
+        }
         let Some(effect) = self.catalogue.get(&candidate.effect) else { return Ok(None) };
         let (specs, start) =
             (effect.parameters(&model::Options::new()), effect.start(&scales(at.model, at.theta)));
@@ -168,11 +201,10 @@ impl<'a> Scale<'a> {
         };
         let parameter =
             Parameter { path: free.path.clone(), at: free.forward(neutral), belief, amplitude: true };
-        let without = self.quick(of)?;
         let mut each = Vec::new();
         for shape in &candidate.shapes {
             let columns = &shape.columns * free.transform.slope(neutral);
-            each.push(self.quick(&of.with(std::slice::from_ref(&parameter), &columns)?)? - without);
+            each.push(self.quick(&of.linear.with(std::slice::from_ref(&parameter), &columns)?)? - of.quick);
         }
         let shapes = each.len() as f64;
         Ok((shapes > 0.0).then(|| ln_sum_exp(each) - shapes.ln()))

@@ -109,6 +109,47 @@ fn the_same_question_has_the_same_bits() {
     assert_eq!(std::thread::scope(|s| s.spawn(ask).join().expect("no panic")), here);
 }
 
+/// Two tests, the rest of either as given; without a free parameter.
+fn two_tests(rests: [f64; 2], random: &mut Random) -> (Record, Linear) {
+    let (n, s) = (150, line(150));
+    let points = evidence::Points { s: s.clone(), gap: vec![1; n], sd: 1.0, ar1: 0.0 };
+    let mut part = |tau: f64| {
+        let size = evidence::RestSize { tau, upsilon: 0.0, smooth_length: 0.2, jerk_length: 0.014 };
+        let (rest, noise) = (evidence::Process::new(&points, size).draw(random).0, random.normals(n) * 0.01);
+        (0..n).map(|i| PEAK * rest[i] + noise[i]).collect::<Vec<f64>>()
+    };
+    let names = ["uniaxial", "tearing"];
+    let parts: Vec<_> = (names.iter().zip(rests))
+        .map(|(name, tau)| ((*name).to_owned(), part(tau), NoiseModel::white(0.01)))
+        .collect();
+    let data = Data::from_parts(parts).expect("data");
+    let places = names.map(|t| Place { test: t.into(), s: s.clone(), peak: PEAK });
+    let record = Record::new(&data, &places, None, 0.015).expect("record");
+    let model =
+        Linear { misfit: data.measured(), jacobian: DMatrix::zeros(2 * n, 0), parameters: Vec::new() };
+    (record, model)
+}
+
+/// A rest in one test alone is believed far sooner where it may be that; what is in both loses no more than the share of the
+/// prior that went elsewhere.
+#[test]
+fn a_rest_may_be_of_one_test_alone() {
+    let mut random = Random::new(8);
+    let mut gained = |rests: [f64; 2]| {
+        let (record, model) = two_tests(rests, &mut random);
+        let ln_z = |alone: f64| {
+            let prior = RestPrior { alone, ..RestPrior::default() };
+            Evidence::of(&record, &model, &prior, Kernel::Plain).expect("evidence").ln_z
+        };
+        ln_z(0.5) - ln_z(0.0)
+    };
+    for _ in 0..10 {
+        let (one, both) = (gained([0.0, 0.03]), gained([0.03, 0.03]));
+        assert!(one > 3.0, "{one}");
+        assert!((-std::f64::consts::LN_2 - 1e-6..0.1).contains(&both), "{both}");
+    }
+}
+
 /// Two tests and a camera: the rest of each test is found where it is, with the interval around the truth.
 #[test]
 fn what_is_left_is_found_in_its_test() {

@@ -1,0 +1,174 @@
+//! The Gaussian integral over the parameters at one covariance, for every scale of the noise at once.
+//!
+//! In units of their beliefs the parameters are u ~ N(0, 1), and the whitened model is |S u − h|² + ρ². With the singular values
+//! of S the integral over u is a sum for any scale κ, where a triangle would have to be made anew for each.
+
+use crate::linear::{LN_TAU, Parameter, Reduced};
+use crate::truncated::{Belief, ln_box};
+use nalgebra::{DMatrix, DVector};
+
+/// A parameter with bounds: its place, and the bounds from the point of linearisation.
+#[derive(Clone, Debug)]
+struct Bounded {
+    place: usize,
+    lower: f64,
+    upper: f64,
+}
+
+/// What is believed of the parameters and of the mesh's factors, as one way of asking has it.
+#[derive(Clone, Debug)]
+pub(crate) struct Beliefs {
+    /// Means from the point of linearisation, then zeros for the mesh.
+    mean: DVector<f64>,
+    /// Standard deviations, then 1 for the mesh.
+    sd: DVector<f64>,
+    parameters: usize,
+    bounded: Vec<Bounded>,
+    /// ln of what the bounds leave of the beliefs.
+    ln_mass: f64,
+}
+
+impl Beliefs {
+    /// With the beliefs of amplitudes `wider`, beside so many factors of the mesh.
+    pub fn new(parameters: &[Parameter], wider: f64, meshes: usize) -> Self {
+        let belief =
+            |p: &Parameter| Belief { sd: p.belief.sd * if p.amplitude { wider } else { 1.0 }, ..p.belief };
+        let q = parameters.len() + meshes;
+        let bounded: Vec<(usize, &Parameter)> = (parameters.iter().enumerate())
+            .filter(|(_, p)| p.belief.lower.is_finite() || p.belief.upper.is_finite())
+            .collect();
+        let bound = |&(place, p): &(usize, &Parameter)| Bounded {
+            place,
+            lower: p.belief.lower - p.at,
+            upper: p.belief.upper - p.at,
+        };
+        Self {
+            mean: DVector::from_fn(q, |k, _| parameters.get(k).map_or(0.0, |p| p.belief.mean - p.at)),
+            sd: DVector::from_fn(q, |k, _| parameters.get(k).map_or(1.0, |p| belief(p).sd)),
+            parameters: parameters.len(),
+            ln_mass: bounded.iter().map(|(_, p)| belief(p).ln_mass()).sum(),
+            bounded: bounded.iter().map(bound).collect(),
+        }
+    }
+}
+
+/// A reduced model in the directions that the records tell apart.
+pub(crate) struct Spectrum<'a> {
+    beliefs: &'a Beliefs,
+    sd: DVector<f64>,
+    /// Squares of the singular values of S.
+    squares: DVector<f64>,
+    /// Uᵀh.
+    wanted: DVector<f64>,
+    /// Vᵀ.
+    directions: DMatrix<f64>,
+    left: f64,
+    ln_det: f64,
+    points: f64,
+}
+
+impl<'a> Spectrum<'a> {
+    /// With mesh factors a ~ N(0, `mesh`²).
+    pub fn new(reduced: &Reduced, beliefs: &'a Beliefs, mesh: f64) -> Self {
+        let q = reduced.factor.ncols() - 1;
+        let mut sd = beliefs.sd.clone();
+        sd.rows_mut(beliefs.parameters, q - beliefs.parameters).fill(mesh);
+        let triangle = reduced.factor.view((0, 0), (q, q));
+        let h = reduced.factor.view((0, q), (q, 1)).column(0) - triangle * &beliefs.mean;
+        let mut scaled = triangle.into_owned();
+        for (mut column, sd) in scaled.column_iter_mut().zip(sd.iter()) {
+            column *= *sd;
+        }
+        // Nothing is decomposed where nothing is free.
+        let svd = (q > 0).then(|| scaled.svd(true, true));
+        let parts = svd.and_then(|s| Some((s.u?, s.singular_values, s.v_t?)));
+        let (u, values, directions) =
+            parts.unwrap_or_else(|| (DMatrix::zeros(q, q), DVector::zeros(q), DMatrix::zeros(q, q)));
+        Self {
+            beliefs,
+            sd,
+            squares: values.map(|s| s * s),
+            wanted: u.tr_mul(&h),
+            directions,
+            left: reduced.factor[(q, q)].powi(2),
+            ln_det: reduced.ln_det,
+            points: reduced.points,
+        }
+    }
+
+    /// ln ∫ p(r | x, a) p(x) p(a) dx da with noise and rest scaled by `kappa`. In shares of the peak.
+    pub fn ln_z(&self, kappa: f64) -> f64 {
+        let square = kappa * kappa;
+        let (mut misfit, mut ln_volume) = (self.left / square, 0.0);
+        for (s, g) in self.squares.iter().zip(self.wanted.iter()) {
+            misfit += g * g / (s + square);
+            ln_volume -= 0.5 * (s / square).ln_1p();
+        }
+        ln_volume - 0.5 * (misfit + self.ln_det + self.points * (LN_TAU + square.ln()))
+            + self.ln_bounds(square)
+    }
+
+    /// ln of what the bounds leave of the posterior, over what they leave of the beliefs.
+    fn ln_bounds(&self, square: f64) -> f64 {
+        let bounded = &self.beliefs.bounded;
+        let pull: Vec<f64> =
+            self.squares.iter().zip(self.wanted.iter()).map(|(s, g)| s.sqrt() * g / (s + square)).collect();
+        let narrower: Vec<f64> = self.squares.iter().map(|s| square / (s + square)).collect();
+        let covariance = |i: usize, j: usize| {
+            let (a, b) = (self.directions.column(i), self.directions.column(j));
+            let sum: f64 = a.iter().zip(b.iter()).zip(&narrower).map(|((a, b), n)| a * b * n).sum();
+            self.sd[i] * self.sd[j] * sum
+        };
+        let mut near = Vec::new();
+        for b in bounded {
+            let column = self.directions.column(b.place);
+            let step: f64 = column.iter().zip(&pull).map(|(v, p)| v * p).sum();
+            let here = self.beliefs.mean[b.place] + self.sd[b.place] * step;
+            let spread = covariance(b.place, b.place).max(0.0).sqrt();
+            // Others the posterior does not reach.
+            if here - 9.0 * spread < b.lower || here + 9.0 * spread > b.upper {
+                near.push((b.place, (b.lower - here, b.upper - here)));
+            }
+        }
+        let bounds: Vec<(f64, f64)> = near.iter().map(|n| n.1).collect();
+        let c = DMatrix::from_fn(near.len(), near.len(), |i, j| covariance(near[i].0, near[j].0));
+        ln_box(&DVector::zeros(near.len()), &c, &bounds) - self.beliefs.ln_mass
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use inverse::Random;
+
+    #[test]
+    fn it_is_the_integral_by_triangles() {
+        let mut random = Random::new(11);
+        let parameter = |k: usize, belief: Belief| Parameter {
+            path: format!("p{k}"),
+            at: 0.1 * k as f64,
+            belief,
+            amplitude: k.is_multiple_of(2),
+        };
+        let beliefs = [
+            Belief::normal(0.4, 2.0),
+            Belief::above(0.0, 0.5),
+            Belief::normal(0.0, 30.0).within(-5.0, 5.0),
+            Belief::below(0.2, 1.0),
+        ];
+        let parameters: Vec<Parameter> =
+            beliefs.into_iter().enumerate().map(|(k, b)| parameter(k, b)).collect();
+        // Columns of very different size, one nearly twice, two of the mesh.
+        let mut x =
+            DMatrix::from_fn(60, 7, |_, k| random.normal() * [1e3, 1.0, 10.0, 0.01, 1.0, 0.1, 3.0][k]);
+        let twice = x.column(0) * 0.5 + x.column(3);
+        x.set_column(2, &twice);
+        let reduced = Reduced { factor: x.qr().r(), ln_det: 3.0, points: 60.0 };
+        for (wider, mesh, kappa) in [(1.0, 0.2, 1.0), (2.0, 0.8, 0.6), (0.5, 0.5, 1.7)] {
+            let beliefs = Beliefs::new(&parameters, wider, 2);
+            let got = Spectrum::new(&reduced, &beliefs, mesh).ln_z(kappa);
+            let want = reduced.solve(&parameters, wider, kappa, mesh).ln_z;
+            assert!((got - want).abs() < 1e-7 * want.abs(), "{wider} {mesh} {kappa}: {got} {want}");
+        }
+    }
+}
