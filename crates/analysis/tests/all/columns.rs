@@ -17,14 +17,17 @@ use std::sync::Arc;
 /// of the tear is between loading and not. (A hold is made of nothing else: this record has none.)
 const SWITCHING: [std::ops::Range<usize>; 2] = [0..5, 31..37];
 
+/// Divisions on which columns are held against differences.
+const MESH: &str = "[6, 4, 2]";
+
 /// A folder with a specimen whose records hold a ramp, an unload, a fast reload and, where asked, a hold.
-fn specimen(name: &str, hold: bool) -> PathBuf {
+fn specimen(name: &str, hold: bool, divisions: &str) -> PathBuf {
     let dir = std::env::temp_dir().join(format!("fct-columns-{name}-{}", std::process::id()));
     std::fs::create_dir_all(&dir).expect("temporary folder");
     small::write_records(&dir, hold);
     let config = r#"
 [mesh]
-divisions = [6, 4, 2]
+divisions = DIVISIONS
 [bulk]
 mu_kPa = 20.0
 k1_kPa = 50.0
@@ -36,7 +39,7 @@ gc_N_per_mm = 0.05
 sigma_c_MPa = 0.05
 "#;
     let path = dir.join("case.toml");
-    std::fs::write(&path, [small::STRIP, config].concat()).expect("config");
+    std::fs::write(&path, [small::STRIP, &config.replace("DIVISIONS", divisions)].concat()).expect("config");
     path
 }
 
@@ -133,8 +136,8 @@ impl Shown {
     }
 }
 
-fn case_of(name: &str, hold: bool) -> Case {
-    let path = specimen(name, hold);
+fn case_of(name: &str, hold: bool, divisions: &str) -> Case {
+    let path = specimen(name, hold, divisions);
     let case = input::read_case(&path, &effects::catalogue()).expect("case");
     let _ = std::fs::remove_dir_all(path.parent().expect("folder"));
     case
@@ -142,7 +145,7 @@ fn case_of(name: &str, hold: bool) -> Case {
 
 #[test]
 fn neutral_is_base_and_columns_are_derivatives() {
-    let s = shown(&case_of("ramps", false));
+    let s = shown(&case_of("ramps", false, MESH));
     let smooth = |v: DVector<f64>| {
         let record = v.len() / 2;
         let switching = |i: &usize| SWITCHING.iter().any(|s| s.contains(&(i % record)));
@@ -177,7 +180,7 @@ fn neutral_is_base_and_columns_are_derivatives() {
 /// With each effect in force at its ordinary size, misalignment with its whole height among them, the others are screened.
 #[test]
 fn a_model_with_any_effect_is_screened_for_the_others() {
-    let case = case_of("others", false);
+    let case = case_of("others", false, "[4, 2, 2]");
     let plain = shown(&case);
     let model = Model::new(Arc::new(case), &plain.catalogue, Discretisation::default()).expect("model");
     let sizes = scales(&model, &model.theta());

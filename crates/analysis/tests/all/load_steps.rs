@@ -66,7 +66,7 @@ fn the_steps_of_a_search_carry_every_effect() {
     let folder = tempfile::tempdir().expect("a folder");
     write_records(folder.path());
     // Stiffening as tissue does, and so tough that it does not tear through.
-    let model = (small::FIT.replace("[8, 8, 1]", "[5, 5, 1]"))
+    let model = (small::FIT.replace("[8, 8, 1]", "[4, 3, 1]"))
         .replace("gc_N_per_mm = 0.03", "gc_N_per_mm = 0.3")
         .replace("k2 = 8.0", "k2 = 20.0");
     for effect in catalogue.iter() {
