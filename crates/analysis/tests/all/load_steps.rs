@@ -10,7 +10,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// What the steps of a search may be off by, root mean square in shares of the peak: a third of the noise of a good record.
-/// Without steps of their own by a turn, mullins and backlash are off by 0.5 %.
+/// Without steps of their own by a turn, backlash is off by 0.6 %.
 const OFF: f64 = 0.003;
 
 /// Rows of a way from corner to corner.
