@@ -1,7 +1,7 @@
 //! A model near its fit: misfit, jacobian, beliefs; and the Gaussian integral over its parameters.
 
 use crate::record::{EvidenceError, Record, length};
-use crate::truncated::{Belief, ln_box};
+use crate::truncated::Belief;
 use inverse::{Free, Prediction};
 use nalgebra::{DMatrix, DVector};
 
@@ -114,10 +114,9 @@ pub(crate) struct Reduced {
     pub points: f64,
 }
 
-/// The Gaussian integral over all parameters at one covariance.
+/// Mode and curvature of all parameters at one covariance.
 #[derive(Clone, Debug)]
 pub(crate) struct Solved {
-    pub ln_z: f64,
     /// From the point of linearisation to the mode, bounds left out of account.
     pub step: DVector<f64>,
     /// Upper triangle T with TᵀT = A.
@@ -128,34 +127,21 @@ pub(crate) struct Solved {
 pub(crate) const LN_TAU: f64 = 1.837_877_066_409_345_3;
 
 impl Reduced {
-    /// ln ∫ p(r | x, a) p(x) p(a) dx da with noise and rest scaled by `kappa`, amplitudes' beliefs `wider`, and mesh factors
-    /// a ~ N(0, `mesh`²). In shares of the peak.
-    pub fn solve(&self, parameters: &[Parameter], wider: f64, kappa: f64, mesh: f64) -> Solved {
+    /// Noise and beliefs as they are, mesh factors a ~ N(0, `mesh`²). In shares of the peak.
+    pub fn solve(&self, parameters: &[Parameter], mesh: f64) -> Solved {
         let q = self.factor.ncols() - 1;
-        let p = parameters.len();
         let mut a = DMatrix::zeros(2 * q + 1, q + 1);
-        a.rows_mut(0, q + 1).copy_from(&(&self.factor / kappa));
-        let mut ln_sd = 0.0;
+        a.rows_mut(0, q + 1).copy_from(&self.factor);
         for k in 0..q {
-            let (mean, sd) = match parameters.get(k) {
-                Some(x) => (x.belief.mean - x.at, x.belief.sd * if x.amplitude { wider } else { 1.0 }),
-                None => (0.0, mesh),
-            };
+            let (mean, sd) = parameters.get(k).map_or((0.0, mesh), |x| (x.belief.mean - x.at, x.belief.sd));
             a[(q + 1 + k, k)] = 1.0 / sd;
             a[(q + 1 + k, q)] = mean / sd;
-            ln_sd += sd.ln();
         }
         let t = a.qr().r();
         let root = t.view((0, 0), (q, q)).into_owned();
         let rhs: DVector<f64> = t.view((0, q), (q, 1)).column(0).into_owned();
         let step = root.solve_upper_triangular(&rhs).unwrap_or_else(|| DVector::zeros(q));
-        let ln_root: f64 = root.diagonal().iter().map(|d| d.abs().ln()).sum();
-        let ln_z = -0.5 * (t[(q, q)].powi(2) + self.ln_det + self.points * (LN_TAU + 2.0 * kappa.ln()))
-            - ln_root
-            - ln_sd;
-        let mut out = Solved { ln_z, step, root };
-        out.ln_z += out.ln_bounds(&parameters[..p], wider);
-        out
+        Solved { step, root }
     }
 }
 
@@ -165,28 +151,6 @@ impl Solved {
         let q = self.root.ncols();
         let inverse = self.root.solve_upper_triangular(&DMatrix::identity(q, q));
         inverse.map_or_else(|| DMatrix::zeros(q, q), |i| &i * i.transpose())
-    }
-
-    /// ln of what the bounds leave of the posterior, over what they leave of the beliefs.
-    fn ln_bounds(&self, parameters: &[Parameter], wider: f64) -> f64 {
-        let bounded = |p: &Parameter| p.belief.lower.is_finite() || p.belief.upper.is_finite();
-        if !parameters.iter().any(bounded) {
-            return 0.0;
-        }
-        let covariance = self.covariance();
-        let (mut which, mut bounds, mut before) = (Vec::new(), Vec::new(), 0.0);
-        for (k, p) in parameters.iter().enumerate().filter(|(_, p)| bounded(p)) {
-            let sd = p.belief.sd * if p.amplitude { wider } else { 1.0 };
-            before += Belief { sd, ..p.belief }.ln_mass();
-            let (here, spread) = (p.at + self.step[k], covariance[(k, k)].max(0.0).sqrt());
-            // Bounds that the posterior does not reach.
-            if here - 9.0 * spread < p.belief.lower || here + 9.0 * spread > p.belief.upper {
-                which.push(k);
-                bounds.push((p.belief.lower - here, p.belief.upper - here));
-            }
-        }
-        let c = DMatrix::from_fn(which.len(), which.len(), |i, j| covariance[(which[i], which[j])]);
-        ln_box(&DVector::zeros(which.len()), &c, &bounds) - before
     }
 
     /// The step to the mode within the bounds: what violates its bound most is put on it, until nothing does.

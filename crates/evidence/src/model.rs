@@ -7,9 +7,8 @@ use crate::process::RestSize;
 use crate::record::{EvidenceError, Record};
 use crate::rest::{RestPrior, SUPPORTS};
 use crate::special::ln_sum_exp;
-use crate::spectrum::Beliefs;
+use crate::spectrum::{Beliefs, Spectrum};
 use nalgebra::{DMatrix, DVector};
-use std::sync::Arc;
 
 /// Which covariance the rest has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,7 +51,7 @@ pub struct Evidence {
     pub mode: Vec<f64>,
     pub(crate) parameters: Vec<Parameter>,
     pub(crate) nodes: Vec<Node>,
-    pub(crate) beliefs: Arc<Beliefs>,
+    pub(crate) beliefs: Beliefs,
     pub(crate) kappas: Vec<(f64, f64)>,
     pub(crate) meshes: usize,
     pub(crate) ln_units: f64,
@@ -155,7 +154,8 @@ impl Evidence {
         linear.check(record)?;
         let x = columns(record, linear);
         let reduced = reduce(record, &x, linear.parameters.len(), (size, None), kernel);
-        Ok(reduced.solve(&linear.parameters, 1.0, 1.0, 1.0).ln_z - record.ln_units)
+        let beliefs = Beliefs::new(&linear.parameters, 1.0, record.mesh.len());
+        Ok(Spectrum::new(&reduced, &beliefs, 1.0).ln_z(1.0) - record.ln_units)
     }
 
     fn empty(record: &Record, linear: &Linear) -> Self {
@@ -164,7 +164,7 @@ impl Evidence {
             ln_z_else: 0.0,
             moved: 0.0,
             mode: Vec::new(),
-            beliefs: Arc::new(Beliefs::new(&linear.parameters, 1.0, record.mesh.len())),
+            beliefs: Beliefs::new(&linear.parameters, 1.0, record.mesh.len()),
             parameters: linear.parameters.clone(),
             nodes: Vec::new(),
             kappas: kappas(record),
@@ -232,7 +232,7 @@ impl Evidence {
 
     /// The solution at a node, noise as estimated, the mesh's error with half its scale.
     pub(crate) fn solved(&self, node: usize) -> Solved {
-        self.nodes[node].reduced.solve(&self.parameters, 1.0, 1.0, 0.5)
+        self.nodes[node].reduced.solve(&self.parameters, 0.5)
     }
 
     fn modes(&self, view: &View<'_>) -> (Vec<f64>, f64) {
