@@ -1,4 +1,4 @@
-//! A model near its fit: misfit, jacobian, beliefs; and the Gaussian integral over its parameters.
+//! A model near its fit: misfit, jacobian, beliefs; mode and curvature of its parameters (their integral: `spectrum.rs`).
 
 use crate::record::{EvidenceError, Record, length};
 use crate::truncated::Belief;
@@ -127,7 +127,7 @@ pub(crate) struct Solved {
 pub(crate) const LN_TAU: f64 = 1.837_877_066_409_345_3;
 
 impl Reduced {
-    /// Noise and beliefs as they are, mesh factors a ~ N(0, `mesh`²). In shares of the peak.
+    /// Mode and curvature; noise and beliefs as they are, mesh factors a ~ N(0, `mesh`²). In shares of the peak.
     pub fn solve(&self, parameters: &[Parameter], mesh: f64) -> Solved {
         let q = self.factor.ncols() - 1;
         let mut a = DMatrix::zeros(2 * q + 1, q + 1);
