@@ -28,17 +28,21 @@ impl Evidence {
                 upsilon: w.sqrt() * node.size.upsilon,
                 ..node.size
             };
-            let key = |s: &RestSize, only| (s.smooth_length, s.jerk_length, only);
+            let key = |s: &RestSize, only| (s.smooth_length, s.jerk_length, s.proportional, only);
             match sizes.iter_mut().find(|(s, only)| key(s, *only) == key(&size, node.only)) {
                 Some((s, _)) => (s.tau, s.upsilon) = (s.tau.hypot(size.tau), s.upsilon.hypot(size.upsilon)),
                 None => sizes.push((size, node.only)),
             }
         }
         let mut out = Vec::new();
-        for block in &record.blocks {
+        for (block, predicted) in record.blocks.iter().zip(&self.predicted) {
             let s = &block.points.s;
             let here: Vec<RestSize> = sizes.iter().map(|(z, only)| z.in_test(block.number, *only)).collect();
-            let k = |i: usize, j: usize| here.iter().map(|z| z.covariance((s[i] - s[j]).abs())).sum::<f64>();
+            let k = |i: usize, j: usize| {
+                let product = predicted[i] * predicted[j];
+                let factor = |z: &RestSize| if z.proportional { product } else { 1.0 };
+                here.iter().map(|z| factor(z) * z.covariance((s[i] - s[j]).abs())).sum::<f64>()
+            };
             for column in pivoted_cholesky(s.len(), k) {
                 let mut full = DVector::zeros(record.full);
                 for (&row, v) in block.rows.iter().zip(&column) {
@@ -78,7 +82,8 @@ mod tests {
 
     #[test]
     fn columns_give_the_covariance_back() {
-        let size = RestSize { tau: 0.02, upsilon: 0.005, smooth_length: 0.2, jerk_length: 0.1 };
+        let size =
+            RestSize { tau: 0.02, upsilon: 0.005, smooth_length: 0.2, jerk_length: 0.1, proportional: false };
         let k = |i: usize, j: usize| size.covariance((i as f64 - j as f64).abs() / 60.0);
         let columns = pivoted_cholesky(60, k);
         let (mut wrong, mut all, mut trace) = (0.0f64, 0.0f64, [0.0f64; 2]);

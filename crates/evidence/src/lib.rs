@@ -17,6 +17,7 @@ mod record;
 mod remains;
 mod rest;
 pub mod scores;
+mod shares;
 pub mod special;
 mod spectrum;
 mod truncated;

@@ -6,9 +6,10 @@ use crate::node::{Node, kappas, reduce};
 use crate::process::RestSize;
 use crate::record::{EvidenceError, Record};
 use crate::rest::{RestPrior, SUPPORTS};
+use crate::shares::Shares;
 use crate::special::ln_sum_exp;
 use crate::spectrum::{Beliefs, Spectrum};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 /// Which covariance the rest has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,7 +30,7 @@ pub struct View<'a> {
     pub amplitude: f64,
 }
 
-/// Which rest: its parts, its place, its lengths, and the prior mass of the last two.
+/// Which rest: its parts, its place, its lengths and form, and the prior mass of the last three.
 struct Support {
     support: usize,
     only: Option<usize>,
@@ -55,22 +56,8 @@ pub struct Evidence {
     pub(crate) kappas: Vec<(f64, f64)>,
     pub(crate) meshes: usize,
     pub(crate) ln_units: f64,
-}
-
-/// Columns [H | mesh | r] in shares of the peak.
-pub(crate) fn columns(record: &Record, linear: &Linear) -> DMatrix<f64> {
-    let p = linear.parameters.len();
-    let mut x = DMatrix::zeros(record.used, p + record.mesh.len() + 1);
-    for k in 0..p {
-        let share = record.shares(&linear.jacobian.column(k).into_owned());
-        x.column_mut(k).copy_from_slice(&share);
-    }
-    for (k, e) in record.mesh.iter().enumerate() {
-        x.column_mut(p + k).copy_from_slice(e);
-    }
-    let last = x.ncols() - 1;
-    x.column_mut(last).copy_from_slice(&record.shares(&linear.misfit));
-    x
+    /// What the model predicts, shares of the peak, block by block.
+    pub(crate) predicted: Vec<Vec<f64>>,
 }
 
 impl Evidence {
@@ -85,23 +72,19 @@ impl Evidence {
         kernel: Kernel,
     ) -> Result<Self, EvidenceError> {
         linear.check(record)?;
-        let x = columns(record, linear);
+        let shares = Shares::of(record, linear);
         let mut out = Self::empty(record, linear);
         let view = View { rest, amplitude: 1.0 };
-        let p = linear.parameters.len();
-        for (support, [smooth, jerk]) in SUPPORTS.into_iter().enumerate() {
-            let one = [(RestSize::NONE.smooth_length, 1.0)];
-            for &(l1, m1) in if smooth { rest.smooth_lengths.as_slice() } else { &one } {
-                for &(l2, m2) in if jerk { rest.jerk_lengths.as_slice() } else { &one } {
-                    let lengths = RestSize { tau: 0.0, upsilon: 0.0, smooth_length: l1, jerk_length: l2 };
-                    for (only, m3) in rest.places([smooth, jerk], record.tests) {
-                        let at = Support { support, only, lengths, ln_mass: (m1 * m2 * m3).ln() };
-                        let nodes = out.integrate(record, &x, p, kernel, &view, &at);
-                        out.nodes.extend(nodes);
-                    }
+        for (support, parts) in SUPPORTS.into_iter().enumerate() {
+            for (only, m1) in rest.places(parts, record.tests) {
+                for (lengths, m2) in rest.shapes(parts) {
+                    let at = Support { support, only, lengths, ln_mass: (m1 * m2).ln() };
+                    let nodes = out.integrate(record, &shares, kernel, &view, &at);
+                    out.nodes.extend(nodes);
                 }
             }
         }
+        out.predicted = shares.predicted;
         [out.ln_z, out.ln_z_else] = out.under(&view);
         (out.mode, out.moved) = out.modes(&view);
         Ok(out)
@@ -117,27 +100,26 @@ impl Evidence {
         multiples: &[f64],
     ) -> Result<Self, EvidenceError> {
         linear.check(record)?;
-        let x = columns(record, linear);
+        let shares = Shares::of(record, linear);
         let mut out = Self::empty(record, linear);
-        let p = linear.parameters.len();
         let first = |l: &[(f64, f64)]| l.first().map_or(0.2, |l| l.0);
-        let (l1, l2) = (first(&rest.smooth_lengths), first(&rest.jerk_lengths));
+        let (smooth_length, jerk_length) = (first(&rest.smooth_lengths), first(&rest.jerk_lengths));
         for (support, [smooth, jerk]) in SUPPORTS.into_iter().enumerate() {
             for &m in if support == 0 { &[1.0] } else { multiples } {
                 let size = |there: bool, scale: f64| if there { m * scale } else { 0.0 };
-                let size = RestSize {
-                    tau: size(smooth, rest.smooth),
-                    upsilon: size(jerk, rest.jerk),
-                    smooth_length: l1,
-                    jerk_length: l2,
-                };
-                for (only, mass) in rest.places([smooth, jerk], record.tests) {
-                    let reduced = reduce(record, &x, p, (size, only), kernel);
-                    let ln_z = out.over_noise(&reduced, &out.beliefs, None);
-                    out.nodes.push(Node { size, support, only, ln_volume: mass.ln(), reduced, ln_z });
+                let (tau, upsilon) = (size(smooth, rest.smooth), size(jerk, rest.jerk));
+                for (proportional, m1) in rest.forms([smooth, jerk]) {
+                    let size = RestSize { tau, upsilon, smooth_length, jerk_length, proportional };
+                    for (only, m2) in rest.places([smooth, jerk], record.tests) {
+                        let reduced = reduce(record, &shares, (size, only), kernel);
+                        let ln_z = out.over_noise(&reduced, &out.beliefs, None);
+                        let ln_volume = (m1 * m2).ln();
+                        out.nodes.push(Node { size, support, only, ln_volume, reduced, ln_z });
+                    }
                 }
             }
         }
+        out.predicted = shares.predicted;
         Ok(out)
     }
 
@@ -152,8 +134,7 @@ impl Evidence {
         kernel: Kernel,
     ) -> Result<f64, EvidenceError> {
         linear.check(record)?;
-        let x = columns(record, linear);
-        let reduced = reduce(record, &x, linear.parameters.len(), (size, None), kernel);
+        let reduced = reduce(record, &Shares::of(record, linear), (size, None), kernel);
         let beliefs = Beliefs::new(&linear.parameters, 1.0, record.mesh.len());
         Ok(Spectrum::new(&reduced, &beliefs, 1.0).ln_z(1.0) - record.ln_units)
     }
@@ -170,15 +151,15 @@ impl Evidence {
             kappas: kappas(record),
             meshes: record.mesh.len(),
             ln_units: record.ln_units,
+            predicted: Vec::new(),
         }
     }
 
-    /// The nodes of one support, place and pair of lengths.
+    /// The nodes of one support, place and shape.
     fn integrate(
         &self,
         record: &Record,
-        x: &DMatrix<f64>,
-        p: usize,
+        shares: &Shares,
         kernel: Kernel,
         view: &View<'_>,
         &Support { support, only, lengths, ln_mass }: &Support,
@@ -192,7 +173,7 @@ impl Evidence {
         };
         let node = |y: [f64; 2], ln_volume: f64| {
             let size = size(y);
-            let reduced = reduce(record, x, p, (size, only), kernel);
+            let reduced = reduce(record, shares, (size, only), kernel);
             let ln_z = self.over_noise(&reduced, &self.beliefs, None);
             Node { size, support, only, ln_volume, reduced, ln_z }
         };

@@ -3,12 +3,12 @@
 use crate::linear::Reduced;
 use crate::model::{Evidence, Kernel, View};
 use crate::orthogonal;
-use crate::process::{Process, RestSize};
-use crate::record::{BlockPoints, Record};
+use crate::process::RestSize;
+use crate::record::Record;
 use crate::rest::{RestPrior, SUPPORTS};
+use crate::shares::Shares;
 use crate::special::ln_sum_exp;
 use crate::spectrum::{Beliefs, Spectrum};
-use nalgebra::DMatrix;
 
 /// Where a noise level estimated with fewer degrees of freedom than this is integrated over.
 const KNOWN: f64 = 1e4;
@@ -34,15 +34,15 @@ pub(crate) struct Node {
 }
 
 /// The whitened model at one size of the rest, reduced to a triangle.
-pub(crate) fn reduce<'r>(
-    record: &'r Record,
-    x: &DMatrix<f64>,
-    parameters: usize,
+pub(crate) fn reduce(
+    record: &Record,
+    shares: &Shares,
     (size, only): (RestSize, Option<usize>),
     kernel: Kernel,
 ) -> Reduced {
-    let process = |b: &'r BlockPoints| Process::new(&b.points, size.in_test(b.number, only));
-    let processes: Vec<Process<'_>> = record.blocks.iter().map(process).collect();
+    let Shares { x, parameters, .. } = shares;
+    let parameters = *parameters;
+    let processes = shares.processes(record, size, only);
     let mut ln_det: f64 = processes.iter().map(|p| p.ln_det).sum();
     let mut white = x.clone();
     for mut column in white.column_iter_mut() {

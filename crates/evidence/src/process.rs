@@ -19,18 +19,21 @@ pub struct RestSize {
     pub smooth_length: f64,
     /// Length of the jerks, share of the record; e^{−d/ℓ}.
     pub jerk_length: f64,
+    /// Whether both are shares of the model's own prediction at each point, as where a gain wanders, and not of the peak.
+    pub proportional: bool,
 }
 
 impl RestSize {
     /// No rest: noise alone.
-    pub const NONE: Self = Self { tau: 0.0, upsilon: 0.0, smooth_length: 0.2, jerk_length: 0.014 };
+    pub const NONE: Self =
+        Self { tau: 0.0, upsilon: 0.0, smooth_length: 0.2, jerk_length: 0.014, proportional: false };
 
     /// The rest in one test, where it is in `only` that or in all.
     pub(crate) fn in_test(self, test: usize, only: Option<usize>) -> Self {
         if only.is_none_or(|t| t == test) { self } else { Self { tau: 0.0, upsilon: 0.0, ..self } }
     }
 
-    /// Covariance of the rest at path distance `d ≥ 0`.
+    /// Covariance of the rest at path distance `d ≥ 0`; of a proportional one, to be multiplied by the predictions at both points.
     pub fn covariance(&self, d: f64) -> f64 {
         let a = 3f64.sqrt() * d / self.smooth_length;
         self.tau.powi(2) * (1.0 + a) * (-a).exp() + self.upsilon.powi(2) * (-d / self.jerk_length).exp()
@@ -60,6 +63,8 @@ struct Step {
     noise: f64,
     gain: Vec4,
     weight: f64,
+    /// What the rest is multiplied by here.
+    factor: f64,
 }
 
 impl Step {
@@ -86,7 +91,7 @@ pub struct Process<'a> {
 }
 
 fn transition(points: &Points, size: &RestSize, k: usize) -> Step {
-    let zero = Step { matern: [0.0; 4], jerk: 0.0, noise: 0.0, gain: [0.0; 4], weight: 0.0 };
+    let zero = Step { matern: [0.0; 4], jerk: 0.0, noise: 0.0, gain: [0.0; 4], weight: 0.0, factor: 1.0 };
     if k == 0 {
         return zero;
     }
@@ -102,7 +107,7 @@ fn transition(points: &Points, size: &RestSize, k: usize) -> Step {
 }
 
 /// A P Aᵀ + P∞ − A P∞ Aᵀ: the stationary covariance is kept by every step.
-fn predicted(step: &Step, p: &[Vec4; 4], at_rest: &Vec4) -> [Vec4; 4] {
+fn one_step_ahead(step: &Step, p: &[Vec4; 4], at_rest: &Vec4) -> [Vec4; 4] {
     let mut rows = [[0.0; 4]; 4];
     for (i, row) in rows.iter_mut().enumerate() {
         let mut excess = p[i];
@@ -121,8 +126,13 @@ fn predicted(step: &Step, p: &[Vec4; 4], at_rest: &Vec4) -> [Vec4; 4] {
 }
 
 impl<'a> Process<'a> {
-    /// The covariance of these points.
+    /// The covariance of these points, where the rest is not `proportional`, or the prediction is the peak everywhere.
     pub fn new(points: &'a Points, size: RestSize) -> Self {
+        Self::beside(points, size, &[])
+    }
+
+    /// The covariance of these points, for a model that predicts `predicted` there (shares of the peak; 1 where nothing is given).
+    pub fn beside(points: &'a Points, size: RestSize, predicted: &[f64]) -> Self {
         let at_rest = [size.tau, size.tau, size.upsilon, points.sd].map(|x| x * x);
         let mut p = [[0.0; 4]; 4];
         for (i, v) in at_rest.iter().enumerate() {
@@ -132,10 +142,12 @@ impl<'a> Process<'a> {
         for k in 0..points.s.len() {
             let mut step = transition(points, &size, k);
             if k > 0 {
-                p = predicted(&step, &p, &at_rest);
+                p = one_step_ahead(&step, &p, &at_rest);
             }
-            let seen: Vec4 = std::array::from_fn(|i| p[i][0] + p[i][2] + p[i][3]);
-            let variance = (seen[0] + seen[2] + seen[3]).max(f64::MIN_POSITIVE);
+            step.factor = predicted.get(k).copied().filter(|_| size.proportional).unwrap_or(1.0);
+            let h = step.factor;
+            let seen: Vec4 = std::array::from_fn(|i| h * (p[i][0] + p[i][2]) + p[i][3]);
+            let variance = (h * (seen[0] + seen[2]) + seen[3]).max(f64::MIN_POSITIVE);
             step.gain = seen.map(|x| x / variance);
             step.weight = variance.sqrt().recip();
             ln_det += variance.ln();
@@ -154,7 +166,7 @@ impl<'a> Process<'a> {
         let mut m = [0.0; 4];
         for (x, step) in v.iter_mut().zip(&self.steps) {
             m = step.forward(&m);
-            let innovation = *x - (m[0] + m[2] + m[3]);
+            let innovation = *x - (step.factor * (m[0] + m[2]) + m[3]);
             for (m, gain) in m.iter_mut().zip(&step.gain) {
                 *m += gain * innovation;
             }
@@ -168,9 +180,9 @@ impl<'a> Process<'a> {
         for (x, step) in w.iter_mut().zip(&self.steps).rev() {
             let bar = *x * step.weight + (0..4).map(|i| step.gain[i] * m[i]).sum::<f64>();
             *x = bar;
-            for i in [0, 2, 3] {
-                m[i] -= bar;
-            }
+            m[0] -= step.factor * bar;
+            m[2] -= step.factor * bar;
+            m[3] -= bar;
             m = step.backward(&m);
         }
     }
@@ -189,16 +201,20 @@ impl<'a> Process<'a> {
 
     /// K v: the rest's covariance times a vector.
     pub fn rest_times(&self, v: &[f64]) -> Vec<f64> {
+        let times_factor = |v: &mut [f64]| v.iter_mut().zip(&self.steps).for_each(|(x, s)| *x *= s.factor);
+        let mut v = v.to_vec();
+        times_factor(&mut v);
         let (smooth, jerk) = (self.size.tau.powi(2), self.size.upsilon.powi(2));
         // Matérn: Σ (1 + a) e^{−a} v with a growing along the path: carry Σ e^{−a} v and Σ a e^{−a} v.
         let matern = |step: &Step, sum: [f64; 2], x: f64| {
             let (e, ea) = (step.matern[0] - step.matern[1], step.matern[1]);
             [e * (sum[0] + x), e * sum[1] + ea * (sum[0] + x)]
         };
-        let mut out = self.two_way(v, matern, |sum| smooth * (sum[0] + sum[1]), smooth);
+        let mut out = self.two_way(&v, matern, |sum| smooth * (sum[0] + sum[1]), smooth);
         let ou = |step: &Step, sum: [f64; 2], x: f64| [step.jerk * (sum[0] + x), 0.0];
-        let jerks = self.two_way(v, ou, |sum| jerk * sum[0], jerk);
+        let jerks = self.two_way(&v, ou, |sum| jerk * sum[0], jerk);
         out.iter_mut().zip(jerks).for_each(|(a, b)| *a += b);
+        times_factor(&mut out);
         out
     }
 
@@ -248,7 +264,7 @@ impl<'a> Process<'a> {
                 m[2] += ou;
                 m[3] += ar;
             }
-            rest.push(t * m[0] + u * m[2]);
+            rest.push(step.factor * (t * m[0] + u * m[2]));
             noise.push(sd * m[3]);
         }
         (rest, noise)
@@ -278,8 +294,16 @@ mod tests {
             .collect();
         let n = p.s.len();
         let r = DMatrix::from_fn(n, n, |i, j| p.sd.powi(2) * p.ar1.powi((at[i] - at[j]).abs()));
-        let k = DMatrix::from_fn(n, n, |i, j| size.covariance((p.s[i] - p.s[j]).abs()));
+        let k = DMatrix::from_fn(n, n, |i, j| {
+            let factor = if size.proportional { predicted()[i] * predicted()[j] } else { 1.0 };
+            factor * size.covariance((p.s[i] - p.s[j]).abs())
+        });
         (r, k)
+    }
+
+    /// A pull and a release that ends below zero.
+    fn predicted() -> Vec<f64> {
+        (0..40).map(|i| (0.1 * f64::from(i)).sin()).collect()
     }
 
     #[test]
@@ -288,11 +312,12 @@ mod tests {
             RestSize::NONE,
             RestSize { tau: 0.03, ..RestSize::NONE },
             RestSize { upsilon: 0.02, ..RestSize::NONE },
-            RestSize { tau: 0.3, upsilon: 0.004, smooth_length: 0.1, jerk_length: 0.02 },
+            RestSize { tau: 0.3, upsilon: 0.004, smooth_length: 0.1, jerk_length: 0.02, proportional: false },
+            RestSize { tau: 0.3, upsilon: 0.02, proportional: true, ..RestSize::NONE },
         ];
         for (size, ar1) in sizes.iter().flat_map(|s| [0.0, 0.6, -0.4].map(|a| (*s, a))) {
             let p = points(ar1);
-            let process = Process::new(&p, size);
+            let process = Process::beside(&p, size, &predicted());
             let (r, k) = dense(&p, &size);
             let chol = (&r + &k).cholesky().expect("positive");
             let want: f64 = 2.0 * chol.l().diagonal().iter().map(|d| d.ln()).sum::<f64>();
@@ -317,19 +342,22 @@ mod tests {
     #[test]
     fn draws_have_the_covariance() {
         let p = points(0.5);
-        let size = RestSize { tau: 0.03, upsilon: 0.02, smooth_length: 0.3, jerk_length: 0.05 };
-        let (r, k) = dense(&p, &size);
-        let process = Process::new(&p, size);
-        let mut random = Random::new(4);
-        let (mut sum, mut noise) = (DMatrix::zeros(40, 40), DMatrix::zeros(40, 40));
-        let draws = 20_000;
-        for _ in 0..draws {
-            let (d, e) = process.draw(&mut random);
-            let (d, e) = (DVector::from_vec(d), DVector::from_vec(e));
-            sum += &d * d.transpose();
-            noise += &e * e.transpose();
+        for proportional in [false, true] {
+            let size =
+                RestSize { tau: 0.03, upsilon: 0.02, smooth_length: 0.3, jerk_length: 0.05, proportional };
+            let (r, k) = dense(&p, &size);
+            let process = Process::beside(&p, size, &predicted());
+            let mut random = Random::new(4);
+            let (mut sum, mut noise) = (DMatrix::zeros(40, 40), DMatrix::zeros(40, 40));
+            let draws = 20_000;
+            for _ in 0..draws {
+                let (d, e) = process.draw(&mut random);
+                let (d, e) = (DVector::from_vec(d), DVector::from_vec(e));
+                sum += &d * d.transpose();
+                noise += &e * e.transpose();
+            }
+            let far = |a: DMatrix<f64>, b: &DMatrix<f64>| (a / f64::from(draws) - b).abs().max() / b.max();
+            assert!(far(sum, &k) < 0.04 && far(noise, &r) < 0.04);
         }
-        let far = |a: DMatrix<f64>, b: &DMatrix<f64>| (a / f64::from(draws) - b).abs().max() / b.max();
-        assert!(far(sum, &k) < 0.04 && far(noise, &r) < 0.04);
     }
 }

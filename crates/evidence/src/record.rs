@@ -58,6 +58,8 @@ pub(crate) struct BlockPoints {
     pub rows: Vec<usize>,
     pub points: Points,
     pub peak: f64,
+    /// What was measured, shares of the peak.
+    pub measured: Vec<f64>,
 }
 
 /// Everything about the records that does not depend on a model. Models are compared on the same points only.
@@ -108,7 +110,9 @@ impl Record {
             let points = Points { s, gap, sd: block.noise.sd / place.peak, ar1: block.noise.ar1 };
             let number = blocks.iter().find(|b| b.test == place.test).map_or(tests, |b| b.number);
             tests = tests.max(number + 1);
-            blocks.push(BlockPoints { test: place.test.clone(), number, rows, points, peak: place.peak });
+            let measured = rows.iter().map(|&i| block.measured[i - block.range.start] / place.peak).collect();
+            let peak = place.peak;
+            blocks.push(BlockPoints { test: place.test.clone(), number, rows, points, peak, measured });
         }
         let used = blocks.iter().map(|b| b.rows.len()).sum();
         if used == 0 {

@@ -1,11 +1,11 @@
 //! How much is left: the rest itself, drawn from its posterior.
 
 use crate::linear::Linear;
-use crate::model::{Evidence, View, columns};
+use crate::model::{Evidence, View};
 use crate::node::Node;
-use crate::process::Process;
 use crate::record::Record;
 use crate::rest::RestPrior;
+use crate::shares::Shares;
 use inverse::Random;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
@@ -73,7 +73,7 @@ pub fn remains(
     rest: &RestPrior,
     beyond: f64,
 ) -> Remains {
-    let x = columns(record, linear);
+    let shares = Shares::of(record, linear);
     let weights = evidence.weights(&View { rest, amplitude: 1.0 }, beyond);
     let none: f64 = weights.iter().zip(&evidence.nodes).filter(|(_, n)| n.support == 0).map(|(w, _)| w).sum();
     let mut random = Random::new(20_260_727);
@@ -87,7 +87,7 @@ pub fn remains(
             node += 1;
             below += weights[node];
         }
-        let squares = one_draw(record, &x, evidence, node, &mut random);
+        let squares = one_draw(record, &shares, evidence, node, &mut random);
         let (mut sum, mut count) = (0.0, 0.0);
         for (name, shares) in names.iter().zip(&mut each) {
             let of = record.blocks.iter().zip(&squares).filter(|(b, _)| b.test == *name);
@@ -105,7 +105,7 @@ pub fn remains(
 /// Sum of squares of the rest in each block.
 fn one_draw(
     record: &Record,
-    x: &nalgebra::DMatrix<f64>,
+    shares: &Shares,
     evidence: &Evidence,
     node: usize,
     random: &mut Random,
@@ -115,16 +115,16 @@ fn one_draw(
         return vec![0.0; record.blocks.len()];
     }
     let solved = evidence.solved(node);
+    let x = &shares.x;
     let q = x.ncols() - 1;
     let z = random.normals(q);
     let spread = solved.root.solve_upper_triangular(&z).unwrap_or_else(|| DVector::zeros(q));
     let u = x.column(q) - x.columns(0, q) * (&solved.step + spread);
     let mut at = 0;
     let mut squares = Vec::new();
-    for block in &record.blocks {
-        let n = block.rows.len();
-        let process = Process::new(&block.points, size.in_test(block.number, only));
+    for process in shares.processes(record, size, only) {
         let (prior, noise) = process.draw(random);
+        let n = prior.len();
         let wrong: Vec<f64> = (0..n).map(|i| u[at + i] - prior[i] - noise[i]).collect();
         let mut solved = wrong.clone();
         process.solve(&mut solved);

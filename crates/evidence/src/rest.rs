@@ -1,5 +1,6 @@
 //! What is believed of the rest: the part of a record that no model of the catalogue describes.
 
+use crate::process::RestSize;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -14,6 +15,8 @@ pub struct RestPrior {
     pub zero: f64,
     /// Prior mass of one test alone, all of them alike, where one part is there without the other.
     pub alone: f64,
+    /// Prior mass of a rest that is a share of the model's own prediction at each point, and not of the peak.
+    pub proportional: f64,
     /// Lengths ℓ₁ of the smooth part, share of the record, with their prior masses.
     pub smooth_lengths: Vec<(f64, f64)>,
     /// Lengths ℓ₂ of the jerks.
@@ -32,6 +35,7 @@ impl Default for RestPrior {
             jerk: 0.010,
             zero: 0.5,
             alone: 0.5,
+            proportional: 0.5,
             smooth_lengths: vec![(0.134, 0.5), (0.298, 0.5)],
             jerk_lengths: vec![(0.0141, 1.0)],
             else_median: 4.0,
@@ -62,6 +66,31 @@ impl RestPrior {
         }
         let one = (0..tests).map(|t| (Some(t), self.alone / tests as f64));
         std::iter::once((None, 1.0 - self.alone)).chain(one).collect()
+    }
+
+    /// Whether the rest of a support is proportional to the prediction, with prior masses.
+    pub(crate) fn forms(&self, support: [bool; 2]) -> Vec<(bool, f64)> {
+        if support == [false; 2] {
+            return vec![(false, 1.0)];
+        }
+        let both = [(false, 1.0 - self.proportional), (true, self.proportional)];
+        both.into_iter().filter(|f| f.1 > 0.0).collect()
+    }
+
+    /// Lengths and forms that the rest of a support may have, of no size, with prior masses.
+    pub(crate) fn shapes(&self, support: [bool; 2]) -> Vec<(RestSize, f64)> {
+        let one = [(RestSize::NONE.smooth_length, 1.0)];
+        let lengths = |there: bool, own: &'_ [(f64, f64)]| if there { own.to_vec() } else { one.to_vec() };
+        let mut out = Vec::new();
+        for (smooth_length, m1) in lengths(support[0], &self.smooth_lengths) {
+            for (jerk_length, m2) in lengths(support[1], &self.jerk_lengths) {
+                for (proportional, m3) in self.forms(support) {
+                    let shape = RestSize { smooth_length, jerk_length, proportional, ..RestSize::NONE };
+                    out.push((shape, m1 * m2 * m3));
+                }
+            }
+        }
+        out
     }
 
     fn half_normal(x: f64, scale: f64) -> f64 {

@@ -45,9 +45,15 @@ fn draw(random: &mut Random, prior: &SetPrior, rest: &RestPrior) -> Drawn {
         if random.uniform() < 0.5 { tau = size(rest.smooth, z) } else { upsilon = size(rest.jerk, z) }
     }
     let length = rest.smooth_lengths[usize::from(random.uniform() < 0.5)].0;
-    let size = RestSize { tau, upsilon, smooth_length: length, jerk_length: rest.jerk_lengths[0].0 };
+    let size = RestSize {
+        tau,
+        upsilon,
+        smooth_length: length,
+        jerk_length: rest.jerk_lengths[0].0,
+        proportional: random.uniform() < rest.proportional,
+    };
     let points = Points { s: line(N), gap: vec![1; N], sd: SD / PEAK, ar1: 0.0 };
-    let (delta, noise) = Process::new(&points, size).draw(random);
+    let (delta, noise) = Process::beside(&points, size, &pull(N)).draw(random);
     let mut r = DVector::from_fn(N, |i, _| PEAK * (delta[i] + noise[i]));
     for k in 0..2 {
         r += column(k, N, PEAK) * (0.2 * random.normal());
@@ -59,7 +65,7 @@ fn draw(random: &mut Random, prior: &SetPrior, rest: &RestPrior) -> Drawn {
 }
 
 fn posterior(drawn: &Drawn, prior: &SetPrior, rest: &RestPrior) -> Posterior {
-    let record = record(&data(&drawn.r, NoiseModel::white(SD)), PEAK);
+    let record = pulled(&drawn.r, NoiseModel::white(SD), PEAK);
     let mut models = Vec::new();
     for mask in 0..1usize << EFFECTS.len() {
         let set: Vec<usize> = (0..EFFECTS.len()).filter(|e| mask >> e & 1 == 1).collect();

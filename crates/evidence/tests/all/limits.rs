@@ -114,7 +114,7 @@ fn two_tests(rests: [f64; 2], random: &mut Random) -> (Record, Linear) {
     let (n, s) = (150, line(150));
     let points = evidence::Points { s: s.clone(), gap: vec![1; n], sd: 1.0, ar1: 0.0 };
     let mut part = |tau: f64| {
-        let size = evidence::RestSize { tau, upsilon: 0.0, smooth_length: 0.2, jerk_length: 0.014 };
+        let size = evidence::RestSize { tau, ..evidence::RestSize::NONE };
         let (rest, noise) = (evidence::Process::new(&points, size).draw(random).0, random.normals(n) * 0.01);
         (0..n).map(|i| PEAK * rest[i] + noise[i]).collect::<Vec<f64>>()
     };
@@ -150,6 +150,35 @@ fn a_rest_may_be_of_one_test_alone() {
     }
 }
 
+/// A gain that wanders is believed sooner where the rest may go with the force; what does not go with it loses no more than the
+/// share of the prior that went elsewhere.
+#[test]
+fn a_rest_may_go_with_the_force() {
+    let n = 150;
+    let mut random = Random::new(9);
+    let mut gained = |proportional: bool| {
+        let size = evidence::RestSize { tau: 0.03, proportional, ..evidence::RestSize::NONE };
+        let points = evidence::Points { s: line(n), gap: vec![1; n], sd: 1.0, ar1: 0.0 };
+        let rest = evidence::Process::beside(&points, size, &pull(n)).draw(&mut random).0;
+        let r = DVector::from_vec(rest) * PEAK + random.normals(n) * 0.01;
+        let record = pulled(&r, NoiseModel::white(0.01), PEAK);
+        let model = linear(r, &[0, 1], base(), PEAK);
+        let ln_z = |proportional: f64| {
+            let prior = RestPrior { proportional, ..RestPrior::default() };
+            Evidence::of(&record, &model, &prior, Kernel::Plain).expect("evidence").ln_z
+        };
+        ln_z(0.5) - ln_z(0.0)
+    };
+    let (mut with, mut without) = (0.0, 0.0);
+    for _ in 0..10 {
+        with += gained(true);
+        let lost = gained(false);
+        assert!(lost > -std::f64::consts::LN_2 - 1e-6, "{lost}");
+        without += lost;
+    }
+    assert!(with > 10.0 && without < 0.0, "{with} {without}");
+}
+
 /// Two tests and a camera: the rest of each test is found where it is, with the interval around the truth.
 #[test]
 fn what_is_left_is_found_in_its_test() {
@@ -159,7 +188,7 @@ fn what_is_left_is_found_in_its_test() {
     let (mut low, mut high, mut noise_only) = (0, 0, 0);
     let repeats = 30;
     for _ in 0..repeats {
-        let size = evidence::RestSize { tau: 0.02, upsilon: 0.0, smooth_length: 0.2, jerk_length: 0.014 };
+        let size = evidence::RestSize { tau: 0.02, ..evidence::RestSize::NONE };
         let points = evidence::Points { s: s.clone(), gap: vec![1; n], sd: 1.0, ar1: 0.0 };
         let process = evidence::Process::new(&points, size);
         let draws: Vec<Vec<f64>> = (0..2).map(|_| process.draw(&mut random).0).collect();
@@ -238,7 +267,7 @@ fn intervals_allow_for_the_rest() {
     let (mut wide, mut narrow) = (0, 0);
     let repeats = 60;
     for _ in 0..repeats {
-        let size = evidence::RestSize { tau: 0.015, upsilon: 0.0, smooth_length: 0.2, jerk_length: 0.014 };
+        let size = evidence::RestSize { tau: 0.015, ..evidence::RestSize::NONE };
         let points = evidence::Points { s: line(n), gap: vec![1; n], sd: 1.0, ar1: 0.0 };
         let rest = DVector::from_vec(evidence::Process::new(&points, size).draw(&mut random).0) * PEAK;
         let truth = 0.2 * random.normal();

@@ -46,6 +46,17 @@ pub fn linear(misfit: DVector<f64>, kinds: &[usize], parameters: Vec<Parameter>,
     Linear { misfit, jacobian, parameters }
 }
 
+/// What the model of a pull predicts, 1 at its peak: it rises, falls, and ends a little below zero.
+pub fn pull(n: usize) -> Vec<f64> {
+    line(n).iter().map(|s| (3.5 * s).sin()).collect()
+}
+
+/// A record whose model predicts a pull and misses `r`.
+pub fn pulled(r: &DVector<f64>, noise: NoiseModel, peak: f64) -> Record {
+    let predicted = DVector::from_vec(pull(r.len())) * peak;
+    record(&data(&(r + predicted), noise), peak)
+}
+
 /// A prior without a rest.
 pub fn no_rest() -> RestPrior {
     RestPrior { zero: 1.0, ..RestPrior::default() }
@@ -57,9 +68,10 @@ pub fn misfit(n: usize, sd: f64, seed: u64) -> DVector<f64> {
     Random::new(seed).normals(n) * sd + wave
 }
 
-/// Covariance of the rest, shares of the peak.
+/// Covariance of the rest, shares of the peak, beside a model that predicts a pull.
 pub fn dense_rest(s: &[f64], size: &RestSize) -> DMatrix<f64> {
-    DMatrix::from_fn(s.len(), s.len(), |i, j| size.covariance((s[i] - s[j]).abs()))
+    let h = if size.proportional { pull(s.len()) } else { vec![1.0; s.len()] };
+    DMatrix::from_fn(s.len(), s.len(), |i, j| h[i] * h[j] * size.covariance((s[i] - s[j]).abs()))
 }
 
 /// Covariance of AR(1) noise.
