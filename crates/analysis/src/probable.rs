@@ -93,7 +93,7 @@ impl Left {
     }
 }
 
-/// The models of a search weighed against each other, on the points that all of them predict smoothly.
+/// The models of a search weighed against each other, on all points.
 ///
 /// # Errors
 /// [`EvidenceError`] when a number cannot be used or nothing was fitted.

@@ -1,9 +1,8 @@
 //! The rest as columns with unknown factors, for estimators that weigh a record by its noise alone.
 
 use crate::model::{Evidence, View};
-use crate::process::RestSize;
 use crate::record::Record;
-use crate::rest::RestPrior;
+use crate::rest::{RestPrior, RestSize};
 use nalgebra::DVector;
 
 /// What the columns leave out, as a share of the rest's variance.

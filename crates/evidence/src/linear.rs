@@ -27,6 +27,9 @@ pub struct Linear {
     pub jacobian: DMatrix<f64>,
     /// The parameters in the order of the columns.
     pub parameters: Vec<Parameter>,
+    /// Where the model jumps, by how much, units of the record; 0 elsewhere, empty where it nowhere does. At which of these points
+    /// it jumps is not known, and by derivatives it is not asked.
+    pub jumps: Vec<f64>,
 }
 
 impl Linear {
@@ -55,7 +58,11 @@ impl Linear {
             let (belief, amplitude) = beliefs[k];
             parameters.push(Parameter { path: f.path.clone(), at: f.forward(theta[k]), belief, amplitude });
         }
-        Ok(Self { misfit: measured - &prediction.values, jacobian, parameters })
+        let jumps = jumps(prediction);
+        for (i, _) in jumps.iter().enumerate().filter(|j| *j.1 > 0.0) {
+            jacobian.row_mut(i).fill(0.0);
+        }
+        Ok(Self { misfit: measured - &prediction.values, jacobian, parameters, jumps })
     }
 
     /// The same with further parameters whose columns stand at the same point: a superset without a fit of its own.
@@ -78,14 +85,17 @@ impl Linear {
         length("misfit", self.misfit.len(), record.full)?;
         length("rows of the jacobian", self.jacobian.nrows(), record.full)?;
         length("columns of the jacobian", self.jacobian.ncols(), self.parameters.len())?;
-        let finite = self.misfit.iter().chain(self.jacobian.iter()).all(|x| x.is_finite());
+        if !self.jumps.is_empty() {
+            length("jumps", self.jumps.len(), record.full)?;
+        }
+        let finite = self.misfit.iter().chain(self.jacobian.iter()).chain(&self.jumps).all(|x| x.is_finite());
         let bad = |what: &str, value| EvidenceError::Value {
             what: what.into(),
             value,
             expected: "a finite number",
         };
         if !finite {
-            return Err(bad("a number of the misfit or jacobian", f64::NAN));
+            return Err(bad("a number of the misfit, jacobian or jumps", f64::NAN));
         }
         for p in &self.parameters {
             let b = &p.belief;
@@ -104,6 +114,22 @@ impl Linear {
         }
         Ok(())
     }
+}
+
+/// By how much a prediction changes over each stretch of points that are not smooth, the points beside it among them.
+fn jumps(prediction: &Prediction) -> Vec<f64> {
+    let Some(valid) = prediction.valid.as_ref().filter(|v| v.contains(&false)) else { return Vec::new() };
+    let mut out = vec![0.0; valid.len()];
+    let mut from = 0;
+    for stretch in valid.chunk_by(|a, b| a == b) {
+        let to = from + stretch.len();
+        if !stretch[0] {
+            let around = prediction.values.rows_range(from.saturating_sub(1)..(to + 1).min(valid.len()));
+            out[from..to].fill(around.max() - around.min());
+        }
+        from = to;
+    }
+    out
 }
 
 /// The whitened model reduced to a triangle: |L⁻¹(r − H x − E a)|² = |F (x, a, −1)|², F of q + 1 columns.
@@ -183,5 +209,29 @@ impl Solved {
             }
         }
         step
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_jump_is_as_large_as_what_changes_across_it() {
+        let jumps_of = |values: &[f64], valid: &[bool]| {
+            let values = DVector::from_row_slice(values);
+            jumps(&Prediction { values, jacobian: None, valid: Some(valid.to_vec()) })
+        };
+        let values = [5.0, 4.0, 3.0, 1.0, 0.5, 0.25];
+        assert_eq!(
+            jumps_of(&values, &[true, true, false, false, true, true]),
+            [0.0, 0.0, 3.5, 3.5, 0.0, 0.0]
+        );
+        // At either end there is a point on one side alone.
+        assert_eq!(
+            jumps_of(&values, &[false, true, true, true, true, false]),
+            [1.0, 0.0, 0.0, 0.0, 0.0, 0.25]
+        );
+        assert!(jumps_of(&values, &[true; 6]).is_empty());
     }
 }

@@ -3,9 +3,8 @@
 use crate::integral::lattice;
 use crate::linear::{Linear, Parameter, Solved};
 use crate::node::{Node, kappas, reduce};
-use crate::process::RestSize;
 use crate::record::{EvidenceError, Record};
-use crate::rest::{RestPrior, SUPPORTS};
+use crate::rest::{RestPrior, RestSize, SUPPORTS};
 use crate::shares::Shares;
 use crate::special::ln_sum_exp;
 use crate::spectrum::{Beliefs, Spectrum};

@@ -3,9 +3,8 @@
 use crate::linear::Reduced;
 use crate::model::{Evidence, Kernel, View};
 use crate::orthogonal;
-use crate::process::RestSize;
 use crate::record::Record;
-use crate::rest::{RestPrior, SUPPORTS};
+use crate::rest::{RestPrior, RestSize, SUPPORTS};
 use crate::shares::Shares;
 use crate::special::ln_sum_exp;
 use crate::spectrum::{Beliefs, Spectrum};

@@ -4,41 +4,11 @@
 //!
 //! is whitened, inverted and sampled in time proportional to the number of points (Hartikainen & Särkkä 2010): a Kalman
 //! filter's innovations, divided by their standard deviations, are L⁻¹v with C = L Lᵀ, exactly; the adjoint of
-//! the filter is L⁻ᵀ. State: Matérn x and x'/λ, Ornstein–Uhlenbeck, AR(1) noise.
+//! the filter is L⁻ᵀ. State: Matérn x and x'/λ, Ornstein–Uhlenbeck, AR(1) noise. Beside a model the rest may be
+//! multiplied by what it predicts at each point, and where it jumps a point has a variance of its own.
 
+use crate::rest::RestSize;
 use inverse::Random;
-
-/// Correlation length and size of the two parts of the rest.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RestSize {
-    /// Standard deviation of the smooth part, share of the peak.
-    pub tau: f64,
-    /// Standard deviation of the jerks, share of the peak.
-    pub upsilon: f64,
-    /// Length ℓ of the smooth part, share of the record; Matérn (1 + √3 d/ℓ) e^{−√3 d/ℓ}.
-    pub smooth_length: f64,
-    /// Length of the jerks, share of the record; e^{−d/ℓ}.
-    pub jerk_length: f64,
-    /// Whether both are shares of the model's own prediction at each point, as where a gain wanders, and not of the peak.
-    pub proportional: bool,
-}
-
-impl RestSize {
-    /// No rest: noise alone.
-    pub const NONE: Self =
-        Self { tau: 0.0, upsilon: 0.0, smooth_length: 0.2, jerk_length: 0.014, proportional: false };
-
-    /// The rest in one test, where it is in `only` that or in all.
-    pub(crate) fn in_test(self, test: usize, only: Option<usize>) -> Self {
-        if only.is_none_or(|t| t == test) { self } else { Self { tau: 0.0, upsilon: 0.0, ..self } }
-    }
-
-    /// Covariance of the rest at path distance `d ≥ 0`; of a proportional one, to be multiplied by the predictions at both points.
-    pub fn covariance(&self, d: f64) -> f64 {
-        let a = 3f64.sqrt() * d / self.smooth_length;
-        self.tau.powi(2) * (1.0 + a) * (-a).exp() + self.upsilon.powi(2) * (-d / self.jerk_length).exp()
-    }
-}
 
 /// Points of a block in order: path coordinates, gaps in sampling, noise; all in shares of the peak.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,6 +35,8 @@ struct Step {
     weight: f64,
     /// What the rest is multiplied by here.
     factor: f64,
+    /// Standard deviation of what is not known here besides noise and rest.
+    unknown: f64,
 }
 
 impl Step {
@@ -91,7 +63,15 @@ pub struct Process<'a> {
 }
 
 fn transition(points: &Points, size: &RestSize, k: usize) -> Step {
-    let zero = Step { matern: [0.0; 4], jerk: 0.0, noise: 0.0, gain: [0.0; 4], weight: 0.0, factor: 1.0 };
+    let zero = Step {
+        matern: [0.0; 4],
+        jerk: 0.0,
+        noise: 0.0,
+        gain: [0.0; 4],
+        weight: 0.0,
+        factor: 1.0,
+        unknown: 0.0,
+    };
     if k == 0 {
         return zero;
     }
@@ -128,11 +108,12 @@ fn one_step_ahead(step: &Step, p: &[Vec4; 4], at_rest: &Vec4) -> [Vec4; 4] {
 impl<'a> Process<'a> {
     /// The covariance of these points, where the rest is not `proportional`, or the prediction is the peak everywhere.
     pub fn new(points: &'a Points, size: RestSize) -> Self {
-        Self::beside(points, size, &[])
+        Self::beside(points, size, &[], &[])
     }
 
-    /// The covariance of these points, for a model that predicts `predicted` there (shares of the peak; 1 where nothing is given).
-    pub fn beside(points: &'a Points, size: RestSize, predicted: &[f64]) -> Self {
+    /// The covariance of these points, for a model that predicts `predicted` there (1 where nothing is given) and where it jumps is
+    /// known to a standard deviation of `jumps` (0 where nothing is given), both in shares of the peak.
+    pub fn beside(points: &'a Points, size: RestSize, predicted: &[f64], jumps: &[f64]) -> Self {
         let at_rest = [size.tau, size.tau, size.upsilon, points.sd].map(|x| x * x);
         let mut p = [[0.0; 4]; 4];
         for (i, v) in at_rest.iter().enumerate() {
@@ -145,9 +126,11 @@ impl<'a> Process<'a> {
                 p = one_step_ahead(&step, &p, &at_rest);
             }
             step.factor = predicted.get(k).copied().filter(|_| size.proportional).unwrap_or(1.0);
+            step.unknown = jumps.get(k).copied().unwrap_or(0.0);
             let h = step.factor;
             let seen: Vec4 = std::array::from_fn(|i| h * (p[i][0] + p[i][2]) + p[i][3]);
-            let variance = (h * (seen[0] + seen[2]) + seen[3]).max(f64::MIN_POSITIVE);
+            let variance = h * (seen[0] + seen[2]) + seen[3] + step.unknown.powi(2);
+            let variance = variance.max(f64::MIN_POSITIVE);
             step.gain = seen.map(|x| x / variance);
             step.weight = variance.sqrt().recip();
             ln_det += variance.ln();
@@ -193,10 +176,15 @@ impl<'a> Process<'a> {
         self.whiten_transposed(v);
     }
 
-    /// R v: the noise's covariance times a vector.
+    /// R v: the covariance of the noise, and of what is unknown where the model jumps, times a vector.
     pub fn noise_times(&self, v: &[f64]) -> Vec<f64> {
         let variance = self.points.sd.powi(2);
-        self.two_way(v, |step, sum, x| [step.noise * (sum[0] + x), 0.0], |sum| variance * sum[0], variance)
+        let noise = |step: &Step, sum: [f64; 2], x| [step.noise * (sum[0] + x), 0.0];
+        let mut out = self.two_way(v, noise, |sum| variance * sum[0], variance);
+        for ((out, v), step) in out.iter_mut().zip(v).zip(&self.steps) {
+            *out += step.unknown.powi(2) * v;
+        }
+        out
     }
 
     /// K v: the rest's covariance times a vector.
@@ -265,99 +253,12 @@ impl<'a> Process<'a> {
                 m[3] += ar;
             }
             rest.push(step.factor * (t * m[0] + u * m[2]));
-            noise.push(sd * m[3]);
+            let jump = if step.unknown > 0.0 { step.unknown * random.normal() } else { 0.0 };
+            noise.push(sd * m[3] + jump);
         }
         (rest, noise)
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use nalgebra::{DMatrix, DVector};
-
-    fn points(ar1: f64) -> Points {
-        let s: Vec<f64> = (0..40).map(|i| (f64::from(i) / 39.0).powf(1.3)).collect();
-        let gap = (0..40).map(|i| if i == 17 { 4 } else { 1 }).collect();
-        Points { s, gap, sd: 0.01, ar1 }
-    }
-
-    fn dense(p: &Points, size: &RestSize) -> (DMatrix<f64>, DMatrix<f64>) {
-        let at: Vec<i32> = p
-            .gap
-            .iter()
-            .enumerate()
-            .scan(0, |a, (k, g)| {
-                *a += if k > 0 { *g as i32 } else { 0 };
-                Some(*a)
-            })
-            .collect();
-        let n = p.s.len();
-        let r = DMatrix::from_fn(n, n, |i, j| p.sd.powi(2) * p.ar1.powi((at[i] - at[j]).abs()));
-        let k = DMatrix::from_fn(n, n, |i, j| {
-            let factor = if size.proportional { predicted()[i] * predicted()[j] } else { 1.0 };
-            factor * size.covariance((p.s[i] - p.s[j]).abs())
-        });
-        (r, k)
-    }
-
-    /// A pull and a release that ends below zero.
-    fn predicted() -> Vec<f64> {
-        (0..40).map(|i| (0.1 * f64::from(i)).sin()).collect()
-    }
-
-    #[test]
-    fn filter_and_dense_matrices_agree() {
-        let sizes = [
-            RestSize::NONE,
-            RestSize { tau: 0.03, ..RestSize::NONE },
-            RestSize { upsilon: 0.02, ..RestSize::NONE },
-            RestSize { tau: 0.3, upsilon: 0.004, smooth_length: 0.1, jerk_length: 0.02, proportional: false },
-            RestSize { tau: 0.3, upsilon: 0.02, proportional: true, ..RestSize::NONE },
-        ];
-        for (size, ar1) in sizes.iter().flat_map(|s| [0.0, 0.6, -0.4].map(|a| (*s, a))) {
-            let p = points(ar1);
-            let process = Process::beside(&p, size, &predicted());
-            let (r, k) = dense(&p, &size);
-            let chol = (&r + &k).cholesky().expect("positive");
-            let want: f64 = 2.0 * chol.l().diagonal().iter().map(|d| d.ln()).sum::<f64>();
-            assert!((process.ln_det - want).abs() < 1e-8 * want.abs(), "{} {want}", process.ln_det);
-            let v = DVector::from_fn(40, |i, _| (0.3 * i as f64).sin() + 0.2);
-            let mut w = v.as_slice().to_vec();
-            process.whiten(&mut w);
-            let q = w.iter().map(|x| x * x).sum::<f64>();
-            assert!((q - v.dot(&chol.solve(&v))).abs() < 1e-7 * q, "{q}");
-            let mut solved = v.as_slice().to_vec();
-            process.solve(&mut solved);
-            let error = DVector::from_vec(solved) - chol.solve(&v);
-            assert!(error.norm() < 1e-7 * chol.solve(&v).norm());
-            let close = |a: Vec<f64>, b: DVector<f64>| {
-                (DVector::from_vec(a) - &b).norm() <= 1e-12 * (1e-9 + b.norm())
-            };
-            assert!(close(process.noise_times(v.as_slice()), &r * &v));
-            assert!(close(process.rest_times(v.as_slice()), &k * &v));
-        }
-    }
-
-    #[test]
-    fn draws_have_the_covariance() {
-        let p = points(0.5);
-        for proportional in [false, true] {
-            let size =
-                RestSize { tau: 0.03, upsilon: 0.02, smooth_length: 0.3, jerk_length: 0.05, proportional };
-            let (r, k) = dense(&p, &size);
-            let process = Process::beside(&p, size, &predicted());
-            let mut random = Random::new(4);
-            let (mut sum, mut noise) = (DMatrix::zeros(40, 40), DMatrix::zeros(40, 40));
-            let draws = 20_000;
-            for _ in 0..draws {
-                let (d, e) = process.draw(&mut random);
-                let (d, e) = (DVector::from_vec(d), DVector::from_vec(e));
-                sum += &d * d.transpose();
-                noise += &e * e.transpose();
-            }
-            let far = |a: DMatrix<f64>, b: &DMatrix<f64>| (a / f64::from(draws) - b).abs().max() / b.max();
-            assert!(far(sum, &k) < 0.04 && far(noise, &r) < 0.04);
-        }
-    }
-}
+mod tests;

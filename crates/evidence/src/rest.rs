@@ -1,8 +1,39 @@
 //! What is believed of the rest: the part of a record that no model of the catalogue describes.
 
-use crate::process::RestSize;
 use serde::Serialize;
 use std::f64::consts::TAU;
+
+/// Correlation length and size of the two parts of the rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RestSize {
+    /// Standard deviation of the smooth part, share of the peak.
+    pub tau: f64,
+    /// Standard deviation of the jerks, share of the peak.
+    pub upsilon: f64,
+    /// Length ℓ of the smooth part, share of the record; Matérn (1 + √3 d/ℓ) e^{−√3 d/ℓ}.
+    pub smooth_length: f64,
+    /// Length of the jerks, share of the record; e^{−d/ℓ}.
+    pub jerk_length: f64,
+    /// Whether both are shares of the model's own prediction at each point, as where a gain wanders, and not of the peak.
+    pub proportional: bool,
+}
+
+impl RestSize {
+    /// No rest: noise alone.
+    pub const NONE: Self =
+        Self { tau: 0.0, upsilon: 0.0, smooth_length: 0.2, jerk_length: 0.014, proportional: false };
+
+    /// The rest in one test, where it is in `only` that or in all.
+    pub(crate) fn in_test(self, test: usize, only: Option<usize>) -> Self {
+        if only.is_none_or(|t| t == test) { self } else { Self { tau: 0.0, upsilon: 0.0, ..self } }
+    }
+
+    /// Covariance of the rest at path distance `d ≥ 0`; of a proportional one, to be multiplied by the predictions at both points.
+    pub fn covariance(&self, d: f64) -> f64 {
+        let a = 3f64.sqrt() * d / self.smooth_length;
+        self.tau.powi(2) * (1.0 + a) * (-a).exp() + self.upsilon.powi(2) * (-d / self.jerk_length).exp()
+    }
+}
 
 /// Prior of the size of the rest. `Default` is the method's sentence: a complete model of such a test is off by a percent or two.
 #[derive(Clone, Debug, PartialEq, Serialize)]

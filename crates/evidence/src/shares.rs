@@ -1,8 +1,9 @@
 //! A linearised model on the points of a record, in shares of the peak.
 
 use crate::linear::Linear;
-use crate::process::{Process, RestSize};
-use crate::record::Record;
+use crate::process::Process;
+use crate::record::{BlockPoints, Record};
+use crate::rest::RestSize;
 use nalgebra::DMatrix;
 
 /// Columns and prediction of a linearised model on the points that take part.
@@ -14,6 +15,8 @@ pub(crate) struct Shares {
     /// What the model predicts where it is linearised, block by block. It has no noise: a rest that is a share of what was measured
     /// would explain the noise by itself.
     pub predicted: Vec<Vec<f64>>,
+    /// What is not known of it where it jumps, block by block; empty where it does not.
+    pub jumps: Vec<Vec<f64>>,
 }
 
 impl Shares {
@@ -38,12 +41,19 @@ impl Shares {
             block.measured.iter().zip(here).map(|(y, r)| y - r).collect()
         });
         let predicted = predicted.collect();
-        Self { x, parameters, predicted }
+        let jumps = |b: &BlockPoints| {
+            let here = b.rows.iter().map_while(|&i| Some(linear.jumps.get(i)? / b.peak));
+            here.collect()
+        };
+        let jumps = record.blocks.iter().map(jumps).collect();
+        Self { x, parameters, predicted, jumps }
     }
 
     /// Noise and rest of every block, for one size of the rest that is in `only` one test or in all.
     pub fn processes<'r>(&self, record: &'r Record, size: RestSize, only: Option<usize>) -> Vec<Process<'r>> {
-        let blocks = record.blocks.iter().zip(&self.predicted);
-        blocks.map(|(b, y)| Process::beside(&b.points, size.in_test(b.number, only), y)).collect()
+        let blocks = record.blocks.iter().zip(&self.predicted).zip(&self.jumps);
+        blocks
+            .map(|((b, y), jumps)| Process::beside(&b.points, size.in_test(b.number, only), y, jumps))
+            .collect()
     }
 }

@@ -84,20 +84,15 @@ pub(crate) struct Scale<'a> {
 }
 
 impl<'a> Scale<'a> {
-    /// On the points that all of the models predict smoothly. The noise is that of `measured`.
+    /// On all points. The noise is that of `measured`, and the case that of the first of `models`.
     pub fn new<'m>(
         measured: &Measured,
-        models: impl Iterator<Item = AtFit<'m>> + Clone,
+        mut models: impl Iterator<Item = AtFit<'m>>,
         catalogue: &'a Catalogue,
         beliefs: &'a Beliefs,
     ) -> Result<Self, EvidenceError> {
-        let case = &models.clone().next().ok_or(EvidenceError::Empty)?.model.case;
-        let mut keep = vec![true; measured.data.points()];
-        for f in models {
-            let valid = f.fit.prediction.valid.iter().flatten();
-            keep.iter_mut().zip(valid).for_each(|(k, v)| *k &= v);
-        }
-        let record = Record::new(&measured.data, &places(measured, case), Some(&keep), beliefs.rest.smooth)?;
+        let case = &models.next().ok_or(EvidenceError::Empty)?.model.case;
+        let record = Record::new(&measured.data, &places(measured, case), None, beliefs.rest.smooth)?;
         Ok(Self { record, measured: measured.data.measured(), catalogue, beliefs })
     }
 

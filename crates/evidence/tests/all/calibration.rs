@@ -53,7 +53,7 @@ fn draw(random: &mut Random, prior: &SetPrior, rest: &RestPrior) -> Drawn {
         proportional: random.uniform() < rest.proportional,
     };
     let points = Points { s: line(N), gap: vec![1; N], sd: SD / PEAK, ar1: 0.0 };
-    let (delta, noise) = Process::beside(&points, size, &pull(N)).draw(random);
+    let (delta, noise) = Process::beside(&points, size, &pull(N), &[]).draw(random);
     let mut r = DVector::from_fn(N, |i, _| PEAK * (delta[i] + noise[i]));
     for k in 0..2 {
         r += column(k, N, PEAK) * (0.2 * random.normal());

@@ -125,8 +125,12 @@ fn two_tests(rests: [f64; 2], random: &mut Random) -> (Record, Linear) {
     let data = Data::from_parts(parts).expect("data");
     let places = names.map(|t| Place { test: t.into(), s: s.clone(), peak: PEAK });
     let record = Record::new(&data, &places, None, 0.015).expect("record");
-    let model =
-        Linear { misfit: data.measured(), jacobian: DMatrix::zeros(2 * n, 0), parameters: Vec::new() };
+    let model = Linear {
+        misfit: data.measured(),
+        jacobian: DMatrix::zeros(2 * n, 0),
+        parameters: Vec::new(),
+        jumps: Vec::new(),
+    };
     (record, model)
 }
 
@@ -159,7 +163,7 @@ fn a_rest_may_go_with_the_force() {
     let mut gained = |proportional: bool| {
         let size = evidence::RestSize { tau: 0.03, proportional, ..evidence::RestSize::NONE };
         let points = evidence::Points { s: line(n), gap: vec![1; n], sd: 1.0, ar1: 0.0 };
-        let rest = evidence::Process::beside(&points, size, &pull(n)).draw(&mut random).0;
+        let rest = evidence::Process::beside(&points, size, &pull(n), &[]).draw(&mut random).0;
         let r = DVector::from_vec(rest) * PEAK + random.normals(n) * 0.01;
         let record = pulled(&r, NoiseModel::white(0.01), PEAK);
         let model = linear(r, &[0, 1], base(), PEAK);
@@ -177,6 +181,32 @@ fn a_rest_may_go_with_the_force() {
         without += lost;
     }
     assert!(with > 10.0 && without < 0.0, "{with} {without}");
+}
+
+/// A model that jumps where the record does leads over one that goes on, and over one that jumps elsewhere.
+#[test]
+fn a_jump_is_worth_what_it_explains() {
+    let n = 120;
+    let mut random = Random::new(12);
+    let step = |at: usize| DVector::from_fn(n, |i, _| if i < at { 0.0 } else { -0.2 * PEAK });
+    let y = step(60) + random.normals(n) * 0.01;
+    let record = record(&data(&y, NoiseModel::white(0.01)), PEAK);
+    let ln_z = |at: usize| {
+        let free = [inverse::Free::new("level", (-1.0, 1.0), params::Transform::Identity, 0.0)];
+        let near = |i: usize| i + 2 < at || i > at + 2;
+        let prediction = inverse::Prediction {
+            values: step(at),
+            jacobian: Some(DMatrix::from_element(n, 1, PEAK)),
+            valid: Some((0..n).map(near).collect()),
+        };
+        let beliefs = [(Belief::normal(0.0, 0.1), false)];
+        let model = Linear::at_fit(&y, &free, &[0.0], &prediction, &beliefs).expect("a model");
+        Evidence::of(&record, &model, &RestPrior::default(), Kernel::Plain).expect("evidence").ln_z
+    };
+    let [there, beside, far, never] = [60, 61, 80, n + 5].map(ln_z);
+    // Five points of which nothing is known but that the jump is there: ln(0.2 · PEAK / 0.01) = 4.1 each.
+    assert!((there - beside).abs() < 3.0, "{there} {beside}");
+    assert!(there > far + 20.0 && there > never + 20.0, "{there} {far} {never}");
 }
 
 /// Two tests and a camera: the rest of each test is found where it is, with the interval around the truth.
@@ -204,7 +234,12 @@ fn what_is_left_is_found_in_its_test() {
         let places = ["uniaxial", "tearing"].map(|t| Place { test: t.into(), s: s.clone(), peak: PEAK });
         let record = Record::new(&data, &places, None, 0.015).expect("record");
         let r = data.measured();
-        let model = Linear { misfit: r, jacobian: DMatrix::zeros(2 * n, 0), parameters: Vec::new() };
+        let model = Linear {
+            misfit: r,
+            jacobian: DMatrix::zeros(2 * n, 0),
+            parameters: Vec::new(),
+            jumps: Vec::new(),
+        };
         let e = Evidence::of(&record, &model, &RestPrior::default(), Kernel::Plain).expect("evidence");
         let left = remains(&record, &model, &e, &RestPrior::default(), 0.1);
         for (k, name) in ["uniaxial", "tearing"].into_iter().enumerate() {
@@ -247,7 +282,7 @@ fn the_mode_is_approached_until_the_linearisation_stands() {
         let jacobian = DMatrix::from_columns(&[(curve(z[0] + h) - curve(z[0] - h)) / (2.0 * h)]);
         let mut p = parameter("b", Belief::normal(0.0, 1.0), false);
         p.at = z[0];
-        Ok::<_, EvidenceError>(Linear { misfit: &y - here, jacobian, parameters: vec![p] })
+        Ok::<_, EvidenceError>(Linear { misfit: &y - here, jacobian, parameters: vec![p], jumps: Vec::new() })
     };
     let record = record(&data(&y, NoiseModel::white(0.02)), PEAK);
     let start = at(&[0.0]).expect("a model");

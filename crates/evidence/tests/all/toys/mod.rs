@@ -43,7 +43,7 @@ pub fn linear(misfit: DVector<f64>, kinds: &[usize], parameters: Vec<Parameter>,
     let n = misfit.len();
     let columns: Vec<_> = kinds.iter().map(|&k| column(k, n, peak)).collect();
     let jacobian = if columns.is_empty() { DMatrix::zeros(n, 0) } else { DMatrix::from_columns(&columns) };
-    Linear { misfit, jacobian, parameters }
+    Linear { misfit, jacobian, parameters, jumps: Vec::new() }
 }
 
 /// What the model of a pull predicts, 1 at its peak: it rises, falls, and ends a little below zero.
