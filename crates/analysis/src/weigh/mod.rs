@@ -75,6 +75,21 @@ fn places(measured: &Measured, case: &Case) -> Vec<Place> {
     measured.slots.iter().zip(&measured.data.blocks).map(one).collect()
 }
 
+/// Effects of a model, its ln Z on a few sizes of the rest, and its evidence where that was asked.
+type Weighed<'a> = (&'a Vec<String>, f64, Option<&'a Judged>);
+
+/// Every model's evidence: of those that have none of their own, as far behind the leading one as the few sizes say. Another one's
+/// would not do: on a few sizes a model that leaves much comes out too low, and what it has more is not theirs.
+/// None where no model has an evidence.
+fn judged_all(models: &[Weighed<'_>]) -> Option<Vec<Judged>> {
+    let own = models.iter().filter_map(|&(_, quick, judged)| Some((quick, judged?)));
+    let (at, leading) = own.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let judged = |&(effects, quick, judged): &Weighed<'_>| {
+        judged.cloned().unwrap_or_else(|| leading.with_effects(effects, quick - at))
+    };
+    Some(models.iter().map(judged).collect())
+}
+
 /// The records as `evidence` sees them, and what is believed: the same for all models that are compared.
 pub(crate) struct Scale<'a> {
     pub record: Record,
@@ -132,15 +147,12 @@ impl<'a> Scale<'a> {
             model.into_iter().for_each(|m| known.note(effects, m));
         }
         self.integrate(all, known)?;
-        let models: Vec<(&Vec<String>, &KnownModel)> = (all.iter())
-            .map(|a| known.weighed(a.0).map(|m| (a.0, m)).ok_or(EvidenceError::Empty))
+        let models: Vec<Weighed<'_>> = (all.iter())
+            .map(|a| {
+                known.weighed(a.0).map(|m| (a.0, m.quick, m.judged.as_ref())).ok_or(EvidenceError::Empty)
+            })
             .collect::<Result<_, EvidenceError>>()?;
-        let (at, first) = (models.iter().find_map(|(_, m)| Some((m.quick, m.judged.as_ref()?))))
-            .ok_or(EvidenceError::Empty)?;
-        let judged = |(effects, m): &(&Vec<String>, &KnownModel)| {
-            m.judged.clone().unwrap_or_else(|| first.with_effects(effects, m.quick - at))
-        };
-        Ok(models.iter().map(judged).collect())
+        judged_all(&models).ok_or(EvidenceError::Empty)
     }
 
     /// The integral over the rest of those models that may matter and have none yet.
@@ -203,5 +215,26 @@ impl<'a> Scale<'a> {
         }
         let shapes = each.len() as f64;
         Ok((shapes > 0.0).then(|| ln_sum_exp(each) - shapes.ln()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A base model that was asked while it was alone, whose rest is larger than the few sizes: it lends nothing to others.
+    #[test]
+    fn what_has_no_evidence_of_its_own_stays_behind_the_leader() {
+        let names = [vec![], vec!["leads".to_owned()], vec!["behind".to_owned()]];
+        let (base, leader) = (
+            Judged::from_numbers(&names[0], 2400.0, 2401.0),
+            Judged::from_numbers(&names[1], 2471.0, 2467.0),
+        );
+        let models =
+            [(&names[0], 2300.0, Some(&base)), (&names[1], 2470.0, Some(&leader)), (&names[2], 2450.0, None)];
+        let all = judged_all(&models).expect("evidence");
+        let ln_z: Vec<f64> = all.iter().map(Judged::ln_z).collect();
+        assert_eq!(ln_z, [2400.0, 2471.0, 2451.0]);
+        assert!(judged_all(&models[2..]).is_none());
     }
 }
