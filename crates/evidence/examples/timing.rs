@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let s: Vec<f64> = (0..n).map(|i| i as f64 / n as f64).collect();
     let places: Vec<Place> =
         (0..tests).map(|t| Place { test: format!("test {t}"), s: s.clone(), peak: 1.0 }).collect();
-    let record = Record::new(&data, &places, None, 0.015)?;
+    let record = Record::new(&data, &places, 0.015)?;
     let jacobian = DMatrix::from_fn(n * tests, p, |i, k| (1e-3 * (i * (k + 1)) as f64).cos());
     let one =
         |k| Parameter { path: format!("p{k}"), at: 0.0, belief: Belief::normal(0.0, 0.3), amplitude: false };

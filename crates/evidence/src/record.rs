@@ -79,31 +79,21 @@ pub struct Record {
 }
 
 impl Record {
-    /// The points of `data` that are neither held out nor masked by `keep` (full length, `true` takes part).
-    /// `places` has one entry per block. The numerical-error columns of `data` become the mesh's error; a column whose
-    /// root mean square exceeds `most_mesh` (share of the peak) is scaled down to it: it is never larger than
-    /// what the rest may be.
+    /// The points of `data` that are not held out. `places` has one entry per block. The numerical-error columns of `data`
+    /// become the mesh's error; a column whose root mean square exceeds `most_mesh` (share of the peak) is scaled down to
+    /// it: it is never larger than what the rest may be.
     ///
     /// # Errors
     /// [`EvidenceError`] when lengths disagree, a peak or noise level is not positive, or nothing is left.
-    pub fn new(
-        data: &Data,
-        places: &[Place],
-        keep: Option<&[bool]>,
-        most_mesh: f64,
-    ) -> Result<Self, EvidenceError> {
+    pub fn new(data: &Data, places: &[Place], most_mesh: f64) -> Result<Self, EvidenceError> {
         length("places", places.len(), data.blocks.len())?;
-        if let Some(keep) = keep {
-            length("mask of points", keep.len(), data.points())?;
-        }
-        let takes_part = |i: usize| data.is_used(i) && keep.is_none_or(|k| k[i]);
         let mut blocks: Vec<BlockPoints> = Vec::new();
         let mut tests = 0;
         for (block, place) in data.blocks.iter().zip(places) {
             length(format!("path of {}", block.name), place.s.len(), block.range.len())?;
             positive(format!("peak of {}", block.name), place.peak)?;
             positive(format!("noise of {}", block.name), block.noise.sd)?;
-            let rows: Vec<usize> = block.range.clone().filter(|&i| takes_part(i)).collect();
+            let rows: Vec<usize> = block.range.clone().filter(|&i| data.is_used(i)).collect();
             let gap =
                 (0..rows.len()).map(|k| if k > 0 { (rows[k] - rows[k - 1]) as u32 } else { 1 }).collect();
             let s = rows.iter().map(|&i| place.s[i - block.range.start]).collect();

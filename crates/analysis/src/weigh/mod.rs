@@ -107,7 +107,7 @@ impl<'a> Scale<'a> {
         beliefs: &'a Beliefs,
     ) -> Result<Self, EvidenceError> {
         let case = &models.next().ok_or(EvidenceError::Empty)?.model.case;
-        let record = Record::new(&measured.data, &places(measured, case), None, beliefs.rest.smooth)?;
+        let record = Record::new(&measured.data, &places(measured, case), beliefs.rest.smooth)?;
         Ok(Self { record, measured: measured.data.measured(), catalogue, beliefs })
     }
 

@@ -267,13 +267,14 @@ fn faults_are_named() {
     let r = misfit(N, 0.03, 3);
     let good = data(&r, NoiseModel::white(0.03));
     let place = |s: Vec<f64>, peak: f64| evidence::Place { test: "pull".into(), s, peak };
-    let say = |places: &[evidence::Place]| {
-        Record::new(&good, places, None, 0.015).expect_err("a fault").to_string()
-    };
+    let say =
+        |places: &[evidence::Place]| Record::new(&good, places, 0.015).expect_err("a fault").to_string();
     assert_eq!(say(&[]), "places: 0 entries, expected 1");
     assert_eq!(say(&[place(line(3), 1.0)]), "path of pull: 3 entries, expected 24");
     assert_eq!(say(&[place(line(N), 0.0)]), "peak of pull is 0; expected a positive number");
-    let hidden = Record::new(&good, &[place(line(N), 1.0)], Some(&[false; N]), 0.015);
+    let mut all_held_out = good.clone();
+    all_held_out.held_out = vec![true; N];
+    let hidden = Record::new(&all_held_out, &[place(line(N), 1.0)], 0.015);
     assert_eq!(hidden.expect_err("a fault").to_string(), "no point takes part");
     let model = linear(misfit(5, 0.03, 3), &[], Vec::new(), PEAK);
     let fault = Evidence::of(&record(&good, PEAK), &model, &no_rest(), Kernel::Plain).expect_err("a fault");

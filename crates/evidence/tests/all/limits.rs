@@ -124,7 +124,7 @@ fn two_tests(rests: [f64; 2], random: &mut Random) -> (Record, Linear) {
         .collect();
     let data = Data::from_parts(parts).expect("data");
     let places = names.map(|t| Place { test: t.into(), s: s.clone(), peak: PEAK });
-    let record = Record::new(&data, &places, None, 0.015).expect("record");
+    let record = Record::new(&data, &places, 0.015).expect("record");
     let model = Linear {
         misfit: data.measured(),
         jacobian: DMatrix::zeros(2 * n, 0),
@@ -232,7 +232,7 @@ fn what_is_left_is_found_in_its_test() {
             Data::from_parts(parts.map(|(name, values)| (name.to_owned(), values, NoiseModel::white(0.01))))
                 .expect("data");
         let places = ["uniaxial", "tearing"].map(|t| Place { test: t.into(), s: s.clone(), peak: PEAK });
-        let record = Record::new(&data, &places, None, 0.015).expect("record");
+        let record = Record::new(&data, &places, 0.015).expect("record");
         let r = data.measured();
         let model = Linear {
             misfit: r,

@@ -17,7 +17,7 @@ pub fn data(values: &DVector<f64>, noise: NoiseModel) -> Data {
 
 pub fn record(data: &Data, peak: f64) -> Record {
     let place = Place { test: "pull".into(), s: line(data.points()), peak };
-    Record::new(data, &[place], None, 0.015).expect("good record")
+    Record::new(data, &[place], 0.015).expect("good record")
 }
 
 pub fn parameter(path: &str, belief: Belief, amplitude: bool) -> Parameter {
