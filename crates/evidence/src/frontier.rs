@@ -44,28 +44,31 @@ pub fn extend(
     let mut asked = Vec::new();
     for (parameters, columns) in &extension.shapes {
         let linear = parent.with(parameters, columns)?;
-        asked.push((Evidence::quick(record, &linear, rest, kernel)?, linear));
+        asked.push((Evidence::quick(record, &linear, (rest, prior), kernel)?, linear));
     }
     let best = asked.iter().enumerate().max_by(|a, b| a.1.0.total_cmp(&b.1.0));
     let Some((_, (most, linear))) = best else { return Ok(None) };
     let evidence = Evidence::of(record, linear, rest, kernel)?;
     let mean = ln_sum_exp(asked.iter().map(|a| a.0).collect::<Vec<_>>()) - (asked.len() as f64).ln();
-    let gain = mean - Evidence::quick(record, parent, rest, kernel)?;
+    let gain = mean - Evidence::quick(record, parent, (rest, prior), kernel)?;
     let mut judged = Judged::new(&extension.effects, &evidence, rest, 1.0, prior).predicted(mean - most);
     judged.gain = gain;
     Ok(Some(judged))
 }
 
 impl Evidence {
-    /// ln Z on a handful of sizes of the rest: enough to tell shapes of one effect apart.
+    /// ln Z on a handful of sizes of the rest, whatever causes it: enough to tell shapes of one effect apart, and which of some models
+    /// lead. The largest size is one that a cause outside the catalogue has: where all models leave as much, smaller ones would
+    /// count what a further column takes from it as if it were noise.
     pub fn quick(
         record: &Record,
         linear: &Linear,
-        rest: &RestPrior,
+        (rest, prior): (&RestPrior, &SetPrior),
         kernel: Kernel,
     ) -> Result<f64, EvidenceError> {
-        let few = Self::on(record, linear, rest, kernel, &[0.3, 1.0])?;
-        Ok(few.under(&View { rest, amplitude: 1.0 })[0])
+        let few = Self::on(record, linear, rest, kernel, &[0.3, 1.0, rest.else_median])?;
+        let [own, other] = few.under(&View { rest, amplitude: 1.0 });
+        Ok(ln_sum_exp([own + (1.0 - prior.beyond).ln(), other + prior.beyond.ln()]))
     }
 }
 

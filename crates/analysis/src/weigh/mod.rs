@@ -125,7 +125,8 @@ impl<'a> Scale<'a> {
     }
 
     fn quick(&self, linear: &Linear) -> Result<f64, EvidenceError> {
-        Evidence::quick(&self.record, linear, &self.beliefs.rest, Kernel::Plain)
+        let Beliefs { rest, sets, .. } = self.beliefs;
+        Evidence::quick(&self.record, linear, (rest, sets), Kernel::Plain)
     }
 
     /// Every model as a member of the posterior, side by side: the integral over the rest for those that may matter, a few of its

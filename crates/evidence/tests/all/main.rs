@@ -2,5 +2,7 @@
 
 mod analytic;
 mod calibration;
+mod frontier;
 mod limits;
+mod rest;
 mod toys;

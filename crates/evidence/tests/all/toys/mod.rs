@@ -5,6 +5,21 @@ use evidence::{Belief, Linear, Parameter, Place, Record, RestPrior, RestSize};
 use inverse::{Data, NoiseModel, Random};
 use nalgebra::{DMatrix, DVector};
 
+/// Peak of most of them, in newtons.
+pub const PEAK: f64 = 3.0;
+
+/// Two parameters of a base model.
+pub fn base() -> Vec<Parameter> {
+    vec![parameter("a", Belief::normal(0.0, 0.2), false), parameter("b", Belief::normal(0.0, 0.3), false)]
+}
+
+/// The same with an effect's amplitude.
+pub fn with_effect() -> Vec<Parameter> {
+    let mut p = base();
+    p.push(parameter("effects.bump.size", Belief::above(0.0, 0.1), true));
+    p
+}
+
 /// Path coordinates of `n` points, not evenly spaced.
 pub fn line(n: usize) -> Vec<f64> {
     (0..n).map(|i| (i as f64 / (n.max(2) - 1) as f64).powf(1.2)).collect()
