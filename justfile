@@ -58,7 +58,7 @@ hidden:
 
 # The sample of it that docs/hidden.md has: every seventh case of fresh seeds. Three hours; resumes.
 hidden-sample:
-    cargo run --release -p hidden-suite -- all --seed 84000 --every 7 --dir runs/hidden-84000
+    cargo run --release -p hidden-suite -- all --seed 84000 --every 7 --limit-s 5000 --dir runs/hidden-84000
 
 # Every eleventh case of it, both protocols and all strengths among them; the report goes beside the cases.
 hidden-quick:

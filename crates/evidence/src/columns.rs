@@ -34,11 +34,11 @@ impl Evidence {
             }
         }
         let mut out = Vec::new();
-        for (block, predicted) in record.blocks.iter().zip(&self.predicted) {
+        for (block, profile) in record.blocks.iter().zip(&self.profile) {
             let s = &block.points.s;
             let here: Vec<RestSize> = sizes.iter().map(|(z, only)| z.in_test(block.number, *only)).collect();
             let k = |i: usize, j: usize| {
-                let product = predicted[i] * predicted[j];
+                let product = profile[i] * profile[j];
                 let factor = |z: &RestSize| if z.proportional { product } else { 1.0 };
                 here.iter().map(|z| factor(z) * z.covariance((s[i] - s[j]).abs())).sum::<f64>()
             };

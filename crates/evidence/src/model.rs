@@ -55,8 +55,8 @@ pub struct Evidence {
     pub(crate) kappas: Vec<(f64, f64)>,
     pub(crate) meshes: usize,
     pub(crate) ln_units: f64,
-    /// What the model predicts, shares of the peak, block by block.
-    pub(crate) predicted: Vec<Vec<f64>>,
+    /// What the model predicts, block by block, over its root mean square there.
+    pub(crate) profile: Vec<Vec<f64>>,
 }
 
 impl Evidence {
@@ -83,7 +83,7 @@ impl Evidence {
                 }
             }
         }
-        out.predicted = shares.predicted;
+        out.profile = shares.profile;
         [out.ln_z, out.ln_z_else] = out.under(&view);
         (out.mode, out.moved) = out.modes(&view);
         Ok(out)
@@ -118,7 +118,7 @@ impl Evidence {
                 }
             }
         }
-        out.predicted = shares.predicted;
+        out.profile = shares.profile;
         Ok(out)
     }
 
@@ -150,7 +150,7 @@ impl Evidence {
             kappas: kappas(record),
             meshes: record.mesh.len(),
             ln_units: record.ln_units,
-            predicted: Vec::new(),
+            profile: Vec::new(),
         }
     }
 

@@ -5,7 +5,7 @@
 //! is whitened, inverted and sampled in time proportional to the number of points (Hartikainen & Särkkä 2010): a Kalman
 //! filter's innovations, divided by their standard deviations, are L⁻¹v with C = L Lᵀ, exactly; the adjoint of
 //! the filter is L⁻ᵀ. State: Matérn x and x'/λ, Ornstein–Uhlenbeck, AR(1) noise. Beside a model the rest may be
-//! multiplied by what it predicts at each point, and where it jumps a point has a variance of its own.
+//! multiplied by the profile of what it predicts, and where it jumps a point has a variance of its own.
 
 use crate::rest::RestSize;
 use inverse::Random;
@@ -106,14 +106,14 @@ fn one_step_ahead(step: &Step, p: &[Vec4; 4], at_rest: &Vec4) -> [Vec4; 4] {
 }
 
 impl<'a> Process<'a> {
-    /// The covariance of these points, where the rest is not `proportional`, or the prediction is the peak everywhere.
+    /// The covariance of these points, where the rest is not `proportional`.
     pub fn new(points: &'a Points, size: RestSize) -> Self {
         Self::beside(points, size, &[], &[])
     }
 
-    /// The covariance of these points, for a model that predicts `predicted` there (1 where nothing is given) and where it jumps is
-    /// known to a standard deviation of `jumps` (0 where nothing is given), both in shares of the peak.
-    pub fn beside(points: &'a Points, size: RestSize, predicted: &[f64], jumps: &[f64]) -> Self {
+    /// The covariance of these points, for a model whose prediction has this `profile` (1 where nothing is given) and which where it jumps is
+    /// known to a standard deviation of `jumps` (0 where nothing is given), in shares of the peak.
+    pub fn beside(points: &'a Points, size: RestSize, profile: &[f64], jumps: &[f64]) -> Self {
         let at_rest = [size.tau, size.tau, size.upsilon, points.sd].map(|x| x * x);
         let mut p = [[0.0; 4]; 4];
         for (i, v) in at_rest.iter().enumerate() {
@@ -125,7 +125,7 @@ impl<'a> Process<'a> {
             if k > 0 {
                 p = one_step_ahead(&step, &p, &at_rest);
             }
-            step.factor = predicted.get(k).copied().filter(|_| size.proportional).unwrap_or(1.0);
+            step.factor = profile.get(k).copied().filter(|_| size.proportional).unwrap_or(1.0);
             step.unknown = jumps.get(k).copied().unwrap_or(0.0);
             let h = step.factor;
             let seen: Vec4 = std::array::from_fn(|i| h * (p[i][0] + p[i][2]) + p[i][3]);

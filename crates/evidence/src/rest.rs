@@ -14,7 +14,8 @@ pub struct RestSize {
     pub smooth_length: f64,
     /// Length of the jerks, share of the record; e^{−d/ℓ}.
     pub jerk_length: f64,
-    /// Whether both are shares of the model's own prediction at each point, as where a gain wanders, and not of the peak.
+    /// Whether both go with the model's own prediction, as where a gain wanders: they are multiplied at each point by the prediction
+    /// over its root mean square, so that they are as large over a record as they would be otherwise.
     pub proportional: bool,
 }
 
@@ -28,7 +29,7 @@ impl RestSize {
         if only.is_none_or(|t| t == test) { self } else { Self { tau: 0.0, upsilon: 0.0, ..self } }
     }
 
-    /// Covariance of the rest at path distance `d ≥ 0`; of a proportional one, to be multiplied by the predictions at both points.
+    /// Covariance of the rest at path distance `d ≥ 0`; of a proportional one, to be multiplied by the profile at both points.
     pub fn covariance(&self, d: f64) -> f64 {
         let a = 3f64.sqrt() * d / self.smooth_length;
         self.tau.powi(2) * (1.0 + a) * (-a).exp() + self.upsilon.powi(2) * (-d / self.jerk_length).exp()
@@ -46,7 +47,7 @@ pub struct RestPrior {
     pub zero: f64,
     /// Prior mass of one test alone, all of them alike, where one part is there without the other.
     pub alone: f64,
-    /// Prior mass of a rest that is a share of the model's own prediction at each point, and not of the peak.
+    /// Prior mass of a rest that goes with the model's own prediction (`RestSize::proportional`).
     pub proportional: f64,
     /// Lengths ℓ₁ of the smooth part, share of the record, with their prior masses.
     pub smooth_lengths: Vec<(f64, f64)>,

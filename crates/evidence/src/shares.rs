@@ -12,11 +12,20 @@ pub(crate) struct Shares {
     pub x: DMatrix<f64>,
     /// How many of them are parameters.
     pub parameters: usize,
-    /// What the model predicts where it is linearised, block by block. It has no noise: a rest that is a share of what was measured
-    /// would explain the noise by itself.
-    pub predicted: Vec<Vec<f64>>,
+    /// What the model predicts where it is linearised, block by block, over its root mean square there: a rest that goes with it is
+    /// as large as one that does not. It has no noise: one that went with what was measured would explain the noise by itself.
+    pub profile: Vec<Vec<f64>>,
     /// What is not known of it where it jumps, block by block; empty where it does not.
     pub jumps: Vec<Vec<f64>>,
+}
+
+/// Over its root mean square; as it is where that is nothing.
+fn of_size_one(mut values: Vec<f64>) -> Vec<f64> {
+    let mean = values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64;
+    if mean.is_normal() {
+        values.iter_mut().for_each(|v| *v /= mean.sqrt());
+    }
+    values
 }
 
 impl Shares {
@@ -35,23 +44,23 @@ impl Shares {
         let last = x.ncols() - 1;
         x.column_mut(last).copy_from_slice(&misfit);
         let mut left = misfit.as_slice();
-        let predicted = record.blocks.iter().map(|block| {
+        let profile = record.blocks.iter().map(|block| {
             let (here, rest) = left.split_at(block.rows.len());
             left = rest;
-            block.measured.iter().zip(here).map(|(y, r)| y - r).collect()
+            of_size_one(block.measured.iter().zip(here).map(|(y, r)| y - r).collect())
         });
-        let predicted = predicted.collect();
+        let profile = profile.collect();
         let jumps = |b: &BlockPoints| {
             let here = b.rows.iter().map_while(|&i| Some(linear.jumps.get(i)? / b.peak));
             here.collect()
         };
         let jumps = record.blocks.iter().map(jumps).collect();
-        Self { x, parameters, predicted, jumps }
+        Self { x, parameters, profile, jumps }
     }
 
     /// Noise and rest of every block, for one size of the rest that is in `only` one test or in all.
     pub fn processes<'r>(&self, record: &'r Record, size: RestSize, only: Option<usize>) -> Vec<Process<'r>> {
-        let blocks = record.blocks.iter().zip(&self.predicted).zip(&self.jumps);
+        let blocks = record.blocks.iter().zip(&self.profile).zip(&self.jumps);
         blocks
             .map(|((b, y), jumps)| Process::beside(&b.points, size.in_test(b.number, only), y, jumps))
             .collect()

@@ -38,7 +38,7 @@ struct Args {
     /// Seed of the first case; the others follow it.
     #[arg(long, default_value_t = 31_000)]
     seed: u64,
-    /// Every how manieth case of the suite.
+    /// Takes every n-th case of the suite.
     #[arg(long, default_value_t = 1)]
     every: usize,
     /// Only these cases (`case-017`).
@@ -218,7 +218,7 @@ fn document(args: &Args, specs: &[Spec]) -> bool {
     let outcomes = stored(Drawn::All);
     let beside = args.beside.as_ref().map(|dir| Beside::new(&args.beside_name, &outcomes, dir));
     let study = Study {
-        command: format!("-- all --seed {} --every {}", args.seed, args.every),
+        command: format!("-- all --seed {} --every {} --limit-s {}", args.seed, args.every, args.limit_s),
         commit: args.commit.clone(),
         planned: specs.len(),
         left_out: stored(Drawn::LeftOut),

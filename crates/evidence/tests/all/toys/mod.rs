@@ -61,14 +61,17 @@ pub fn linear(misfit: DVector<f64>, kinds: &[usize], parameters: Vec<Parameter>,
     Linear { misfit, jacobian, parameters, jumps: Vec::new() }
 }
 
-/// What the model of a pull predicts, 1 at its peak: it rises, falls, and ends a little below zero.
+/// Profile of what the model of a pull predicts, its root mean square 1: it rises, falls, and ends a little below zero.
 pub fn pull(n: usize) -> Vec<f64> {
-    line(n).iter().map(|s| (3.5 * s).sin()).collect()
+    let wave = DVector::from_iterator(n, line(n).iter().map(|s| (3.5 * s).sin()));
+    let size = wave.norm() / (n as f64).sqrt();
+    (wave / size).as_slice().to_vec()
 }
 
 /// A record whose model predicts a pull and misses `r`.
 pub fn pulled(r: &DVector<f64>, noise: NoiseModel, peak: f64) -> Record {
-    let predicted = DVector::from_vec(pull(r.len())) * peak;
+    // Half of it: the size of what a model predicts is nothing to its rest.
+    let predicted = DVector::from_vec(pull(r.len())) * (0.5 * peak);
     record(&data(&(r + predicted), noise), peak)
 }
 
