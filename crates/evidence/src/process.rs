@@ -111,8 +111,8 @@ impl<'a> Process<'a> {
         Self::beside(points, size, &[], &[])
     }
 
-    /// The covariance of these points, for a model whose prediction has this `profile` (1 where nothing is given) and which where it jumps is
-    /// known to a standard deviation of `jumps` (0 where nothing is given), in shares of the peak.
+    /// The covariance of these points, for a model whose prediction has this `profile` (over its root mean square; 1 where nothing is
+    /// given) and where it jumps is known to a standard deviation of `jumps` (shares of the peak; 0 where nothing is given).
     pub fn beside(points: &'a Points, size: RestSize, profile: &[f64], jumps: &[f64]) -> Self {
         let at_rest = [size.tau, size.tau, size.upsilon, points.sd].map(|x| x * x);
         let mut p = [[0.0; 4]; 4];

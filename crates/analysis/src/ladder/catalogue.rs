@@ -7,6 +7,7 @@
 use super::decided::Probabilities;
 use super::fit::FAR;
 use super::laws::other_laws;
+use super::leading::leading;
 use super::{FeLadder, Fitted, named};
 use crate::cost::Phase;
 use crate::identify::AnalysisError;
@@ -14,12 +15,6 @@ use crate::probable::{Probable, probable_with_models};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 
-/// Share of the posterior from which on a set is fitted on the file's mesh, and the catalogue's columns are computed there, to
-/// see what would be added to it.
-const LEADS: f64 = 0.05;
-/// Share of a set, in those of its part that has most, from which on it may say something else than its part does: it was
-/// fitted from there, with the file's mesh seen from there.
-const OVERTAKES: f64 = 1.0 / 3.0;
 /// Most effects of a set.
 const LARGEST: usize = 4;
 /// Sets that are fitted in one round.
@@ -258,18 +253,4 @@ struct Now {
     noise: bool,
     /// The sets that an answer may hang on.
     leads: Vec<Vec<String>>,
-}
-
-/// The sets that an answer may hang on: those with a share of the posterior, unless a part of theirs has most of it.
-fn leading(posterior: &evidence::Posterior) -> Vec<Vec<String>> {
-    let share = |s: &evidence::SetProbability| s.probability + s.with_something_else;
-    let part = |a: &evidence::SetProbability, of: &evidence::SetProbability| {
-        !a.effects.is_empty()
-            && a.effects.len() < of.effects.len()
-            && a.effects.iter().all(|e| of.effects.contains(e))
-    };
-    let sets = &posterior.sets;
-    let overtaken =
-        |s: &evidence::SetProbability| sets.iter().any(|p| part(p, s) && share(s) < OVERTAKES * share(p));
-    sets.iter().filter(|s| share(s) >= LEADS && !overtaken(s)).map(|s| s.effects.clone()).collect()
 }

@@ -12,6 +12,7 @@ mod fit;
 mod fitted_model;
 mod forms;
 pub(crate) mod laws;
+mod leading;
 pub(crate) mod next_test;
 mod settle;
 

@@ -6,8 +6,8 @@ use evidence::{Belief, Evidence, Kernel, RestPrior};
 use inverse::{NoiseModel, Random};
 use nalgebra::{DMatrix, DVector};
 
-/// Where all models leave as much as a cause outside the catalogue does, the few sizes give a column that takes nothing of it no
-/// more than the integral does, and a column that takes all of it no less.
+/// Where all models leave as much as a cause outside the catalogue does, the few sizes give a column that is nothing to it about
+/// what the integral gives.
 #[test]
 fn a_few_sizes_follow_the_integral_where_much_is_left() {
     let n = 120;
