@@ -22,8 +22,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let data = Data::from_parts(parts)?;
     let s: Vec<f64> = (0..n).map(|i| i as f64 / n as f64).collect();
-    let places: Vec<Place> =
-        (0..tests).map(|t| Place { test: format!("test {t}"), s: s.clone(), peak: 1.0 }).collect();
+    let places: Vec<Place> = (0..tests)
+        .map(|t| Place {
+            test: format!("test {t}"),
+            s: s.clone(),
+            leg: (0..n).map(|i| 12 * i / n).collect(),
+            peak: 1.0,
+        })
+        .collect();
     let record = Record::new(&data, &places, 0.015)?;
     let jacobian = DMatrix::from_fn(n * tests, p, |i, k| (1e-3 * (i * (k + 1)) as f64).cos());
     let one =

@@ -2,7 +2,7 @@
 
 use crate::model::{Evidence, View};
 use crate::record::Record;
-use crate::rest::{RestPrior, RestSize};
+use crate::rest::{RestForm, RestPrior, RestSize};
 use nalgebra::DVector;
 
 /// What the columns leave out, as a share of the rest's variance.
@@ -27,7 +27,7 @@ impl Evidence {
                 upsilon: w.sqrt() * node.size.upsilon,
                 ..node.size
             };
-            let key = |s: &RestSize, only| (s.smooth_length, s.jerk_length, s.proportional, only);
+            let key = |s: &RestSize, only| (s.smooth_length, s.jerk_length, s.form, only);
             match sizes.iter_mut().find(|(s, only)| key(s, *only) == key(&size, node.only)) {
                 Some((s, _)) => (s.tau, s.upsilon) = (s.tau.hypot(size.tau), s.upsilon.hypot(size.upsilon)),
                 None => sizes.push((size, node.only)),
@@ -35,14 +35,13 @@ impl Evidence {
         }
         let mut out = Vec::new();
         for (block, profile) in record.blocks.iter().zip(&self.profile) {
-            let s = &block.points.s;
             let here: Vec<RestSize> = sizes.iter().map(|(z, only)| z.in_test(block.number, *only)).collect();
             let k = |i: usize, j: usize| {
                 let product = profile[i] * profile[j];
-                let factor = |z: &RestSize| if z.proportional { product } else { 1.0 };
-                here.iter().map(|z| factor(z) * z.covariance((s[i] - s[j]).abs())).sum::<f64>()
+                let factor = |z: &RestSize| if z.form == RestForm::Proportional { product } else { 1.0 };
+                here.iter().map(|z| factor(z) * block.points.rest_covariance(z, i, j)).sum::<f64>()
             };
-            for column in pivoted_cholesky(s.len(), k) {
+            for column in pivoted_cholesky(block.rows.len(), k) {
                 let mut full = DVector::zeros(record.full);
                 for (&row, v) in block.rows.iter().zip(&column) {
                     full[row] = block.peak * v;
@@ -82,7 +81,7 @@ mod tests {
     #[test]
     fn columns_give_the_covariance_back() {
         let size =
-            RestSize { tau: 0.02, upsilon: 0.005, smooth_length: 0.2, jerk_length: 0.1, proportional: false };
+            RestSize { tau: 0.02, upsilon: 0.005, smooth_length: 0.2, jerk_length: 0.1, ..RestSize::NONE };
         let k = |i: usize, j: usize| size.covariance((i as f64 - j as f64).abs() / 60.0);
         let columns = pivoted_cholesky(60, k);
         let (mut wrong, mut all, mut trace) = (0.0f64, 0.0f64, [0.0f64; 2]);

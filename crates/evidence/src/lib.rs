@@ -32,5 +32,5 @@ pub use posterior::{Brief, Judged, Posterior, SetPrior, SetProbability};
 pub use process::{Points, Process};
 pub use record::{EvidenceError, Place, Record};
 pub use remains::{ExplainedTo, Remains, Share, remains};
-pub use rest::{RestPrior, RestSize};
+pub use rest::{RestForm, RestPrior, RestSize};
 pub use truncated::Belief;

@@ -107,8 +107,8 @@ impl Evidence {
             for &m in if support == 0 { &[1.0] } else { multiples } {
                 let size = |there: bool, scale: f64| if there { m * scale } else { 0.0 };
                 let (tau, upsilon) = (size(smooth, rest.smooth), size(jerk, rest.jerk));
-                for (proportional, m1) in rest.forms([smooth, jerk]) {
-                    let size = RestSize { tau, upsilon, smooth_length, jerk_length, proportional };
+                for (form, m1) in rest.forms([smooth, jerk]) {
+                    let size = RestSize { tau, upsilon, smooth_length, jerk_length, form };
                     for (only, m2) in rest.places([smooth, jerk], record.tests) {
                         let reduced = reduce(record, &shares, (size, only), kernel);
                         let ln_z = out.over_noise(&reduced, &out.beliefs, None);

@@ -4,10 +4,11 @@
 //!
 //! is whitened, inverted and sampled in time proportional to the number of points (Hartikainen & Särkkä 2010): a Kalman
 //! filter's innovations, divided by their standard deviations, are L⁻¹v with C = L Lᵀ, exactly; the adjoint of
-//! the filter is L⁻ᵀ. State: Matérn x and x'/λ, Ornstein–Uhlenbeck, AR(1) noise. Beside a model the rest may be
-//! multiplied by the profile of what it predicts, and where it jumps a point has a variance of its own.
+//! the filter is L⁻ᵀ. State: Matérn x and x'/λ, Ornstein–Uhlenbeck, AR(1) noise. The rest may begin anew with every
+//! leg of the protocol, or be multiplied by the profile of what a model predicts; where that jumps a point has a variance
+//! of its own.
 
-use crate::rest::RestSize;
+use crate::rest::{RestForm, RestSize};
 use inverse::Random;
 
 /// Points of a block in order: path coordinates, gaps in sampling, noise; all in shares of the peak.
@@ -21,6 +22,23 @@ pub struct Points {
     pub sd: f64,
     /// Correlation of neighbouring samples, −1 < ar1 < 1.
     pub ar1: f64,
+    /// Which leg of the protocol each point belongs to; empty: all to one.
+    pub leg: Vec<usize>,
+}
+
+impl Points {
+    /// Whether two points belong to one leg of the protocol.
+    pub(crate) fn on_one_leg(&self, i: usize, j: usize) -> bool {
+        self.leg.get(i) == self.leg.get(j)
+    }
+
+    /// Covariance of the rest at two points; of a proportional one, to be multiplied by the profile at both.
+    pub(crate) fn rest_covariance(&self, size: &RestSize, i: usize, j: usize) -> f64 {
+        if size.form == RestForm::PerLeg && !self.on_one_leg(i, j) {
+            return 0.0;
+        }
+        size.covariance((self.s[i] - self.s[j]).abs())
+    }
 }
 
 type Vec4 = [f64; 4];
@@ -75,15 +93,15 @@ fn transition(points: &Points, size: &RestSize, k: usize) -> Step {
     if k == 0 {
         return zero;
     }
+    let noise = points.ar1.powi(i32::try_from(points.gap[k]).unwrap_or(i32::MAX));
+    if size.form == RestForm::PerLeg && !points.on_one_leg(k - 1, k) {
+        return Step { noise, ..zero };
+    }
     let d = (points.s[k] - points.s[k - 1]).max(0.0);
     let a = 3f64.sqrt() * d / size.smooth_length;
     let e = (-a).exp();
-    Step {
-        matern: [e * (1.0 + a), e * a, -e * a, e * (1.0 - a)],
-        jerk: (-d / size.jerk_length).exp(),
-        noise: points.ar1.powi(i32::try_from(points.gap[k]).unwrap_or(i32::MAX)),
-        ..zero
-    }
+    let matern = [e * (1.0 + a), e * a, -e * a, e * (1.0 - a)];
+    Step { matern, jerk: (-d / size.jerk_length).exp(), noise, ..zero }
 }
 
 /// A P Aᵀ + P∞ − A P∞ Aᵀ: the stationary covariance is kept by every step.
@@ -125,7 +143,8 @@ impl<'a> Process<'a> {
             if k > 0 {
                 p = one_step_ahead(&step, &p, &at_rest);
             }
-            step.factor = profile.get(k).copied().filter(|_| size.proportional).unwrap_or(1.0);
+            step.factor =
+                profile.get(k).copied().filter(|_| size.form == RestForm::Proportional).unwrap_or(1.0);
             step.unknown = jumps.get(k).copied().unwrap_or(0.0);
             let h = step.factor;
             let seen: Vec4 = std::array::from_fn(|i| h * (p[i][0] + p[i][2]) + p[i][3]);

@@ -12,6 +12,8 @@ pub struct Place {
     pub test: String,
     /// Path coordinate ([`crate::path`]) of every point of the block.
     pub s: Vec<f64>,
+    /// Which leg of the protocol every point belongs to; empty: all to one.
+    pub leg: Vec<usize>,
     /// Largest measured size, unit of the block: what shares are of.
     pub peak: f64,
 }
@@ -97,7 +99,13 @@ impl Record {
             let gap =
                 (0..rows.len()).map(|k| if k > 0 { (rows[k] - rows[k - 1]) as u32 } else { 1 }).collect();
             let s = rows.iter().map(|&i| place.s[i - block.range.start]).collect();
-            let points = Points { s, gap, sd: block.noise.sd / place.peak, ar1: block.noise.ar1 };
+            let leg = if place.leg.is_empty() {
+                Vec::new()
+            } else {
+                length(format!("legs of {}", block.name), place.leg.len(), block.range.len())?;
+                rows.iter().map(|&i| place.leg[i - block.range.start]).collect()
+            };
+            let points = Points { s, gap, sd: block.noise.sd / place.peak, ar1: block.noise.ar1, leg };
             let number = blocks.iter().find(|b| b.test == place.test).map_or(tests, |b| b.number);
             tests = tests.max(number + 1);
             let measured = rows.iter().map(|&i| block.measured[i - block.range.start] / place.peak).collect();

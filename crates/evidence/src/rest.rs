@@ -3,7 +3,21 @@
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-/// Correlation length and size of the two parts of the rest.
+/// What the rest does along a record.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RestForm {
+    /// It is as large everywhere, and goes on from one leg of the protocol to the next.
+    #[default]
+    Even,
+    /// It goes with the model's own prediction, as where a gain wanders: it is multiplied at each point by the prediction over its root
+    /// mean square, so that it is as large over a record as it would be otherwise.
+    Proportional,
+    /// It begins anew with every leg of the protocol, as where something rubs or comes late: what is wrong on the way out says nothing
+    /// of the way back.
+    PerLeg,
+}
+
+/// Correlation length, size and form of the two parts of the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestSize {
     /// Standard deviation of the smooth part, share of the peak.
@@ -14,22 +28,22 @@ pub struct RestSize {
     pub smooth_length: f64,
     /// Length of the jerks, share of the record; e^{−d/ℓ}.
     pub jerk_length: f64,
-    /// Whether both go with the model's own prediction, as where a gain wanders: they are multiplied at each point by the prediction
-    /// over its root mean square, so that they are as large over a record as they would be otherwise.
-    pub proportional: bool,
+    /// What both do along the record.
+    pub form: RestForm,
 }
 
 impl RestSize {
     /// No rest: noise alone.
     pub const NONE: Self =
-        Self { tau: 0.0, upsilon: 0.0, smooth_length: 0.2, jerk_length: 0.014, proportional: false };
+        Self { tau: 0.0, upsilon: 0.0, smooth_length: 0.2, jerk_length: 0.014, form: RestForm::Even };
 
     /// The rest in one test, where it is in `only` that or in all.
     pub(crate) fn in_test(self, test: usize, only: Option<usize>) -> Self {
         if only.is_none_or(|t| t == test) { self } else { Self { tau: 0.0, upsilon: 0.0, ..self } }
     }
 
-    /// Covariance of the rest at path distance `d ≥ 0`; of a proportional one, to be multiplied by the profile at both points.
+    /// Covariance of the rest at path distance `d ≥ 0`; of a proportional one, to be multiplied by the profile at both points; of one
+    /// that begins anew, within one leg.
     pub fn covariance(&self, d: f64) -> f64 {
         let a = 3f64.sqrt() * d / self.smooth_length;
         self.tau.powi(2) * (1.0 + a) * (-a).exp() + self.upsilon.powi(2) * (-d / self.jerk_length).exp()
@@ -47,8 +61,10 @@ pub struct RestPrior {
     pub zero: f64,
     /// Prior mass of one test alone, all of them alike, where one part is there without the other.
     pub alone: f64,
-    /// Prior mass of a rest that goes with the model's own prediction (`RestSize::proportional`).
+    /// Prior mass of a rest that goes with the model's own prediction ([`RestForm::Proportional`]).
     pub proportional: f64,
+    /// Prior mass of a rest that begins anew with every leg ([`RestForm::PerLeg`]).
+    pub per_leg: f64,
     /// Lengths ℓ₁ of the smooth part, share of the record, with their prior masses.
     pub smooth_lengths: Vec<(f64, f64)>,
     /// Lengths ℓ₂ of the jerks.
@@ -67,7 +83,8 @@ impl Default for RestPrior {
             jerk: 0.010,
             zero: 0.5,
             alone: 0.5,
-            proportional: 0.5,
+            proportional: 1.0 / 3.0,
+            per_leg: 1.0 / 3.0,
             smooth_lengths: vec![(0.134, 0.5), (0.298, 0.5)],
             jerk_lengths: vec![(0.0141, 1.0)],
             else_median: 4.0,
@@ -100,13 +117,17 @@ impl RestPrior {
         std::iter::once((None, 1.0 - self.alone)).chain(one).collect()
     }
 
-    /// Whether the rest of a support is proportional to the prediction, with prior masses.
-    pub(crate) fn forms(&self, support: [bool; 2]) -> Vec<(bool, f64)> {
+    /// What the rest of a support may do along the record, with prior masses.
+    pub(crate) fn forms(&self, support: [bool; 2]) -> Vec<(RestForm, f64)> {
         if support == [false; 2] {
-            return vec![(false, 1.0)];
+            return vec![(RestForm::Even, 1.0)];
         }
-        let both = [(false, 1.0 - self.proportional), (true, self.proportional)];
-        both.into_iter().filter(|f| f.1 > 0.0).collect()
+        let all = [
+            (RestForm::Even, 1.0 - self.proportional - self.per_leg),
+            (RestForm::Proportional, self.proportional),
+            (RestForm::PerLeg, self.per_leg),
+        ];
+        all.into_iter().filter(|f| f.1 > 1e-12).collect()
     }
 
     /// Lengths and forms that the rest of a support may have, of no size, with prior masses.
@@ -116,8 +137,8 @@ impl RestPrior {
         let mut out = Vec::new();
         for (smooth_length, m1) in lengths(support[0], &self.smooth_lengths) {
             for (jerk_length, m2) in lengths(support[1], &self.jerk_lengths) {
-                for (proportional, m3) in self.forms(support) {
-                    let shape = RestSize { smooth_length, jerk_length, proportional, ..RestSize::NONE };
+                for (form, m3) in self.forms(support) {
+                    let shape = RestSize { smooth_length, jerk_length, form, ..RestSize::NONE };
                     out.push((shape, m1 * m2 * m3));
                 }
             }

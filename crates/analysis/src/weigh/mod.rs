@@ -17,7 +17,7 @@ use input::{Case, DiagnoseConfig};
 use inverse::{Fit, Free};
 pub(crate) use known::Known;
 use known::KnownModel;
-use model::{Catalogue, Model};
+use model::{Catalogue, Model, corner_rows};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -60,15 +60,24 @@ impl<'a> From<&'a Fitted> for AtFit<'a> {
     }
 }
 
+/// Which leg of the protocol each row of a record belongs to: a corner ends its leg.
+fn legs(record: &input::Record) -> Vec<usize> {
+    let corners = corner_rows(record);
+    (0..record.time.len()).map(|row| corners.iter().filter(|(at, _)| (1..row).contains(at)).count()).collect()
+}
+
 /// Where each block stands on the path of its test.
 fn places(measured: &Measured, case: &Case) -> Vec<Place> {
     let one = |(slot, block): (&crate::data::DataBlock, &inverse::Block)| {
         let test = &case.tests[slot.test];
-        let s = test.record.as_ref().map_or(Vec::new(), |r| evidence::path(&r.time, &r.displacement));
+        let record = test.record.as_ref();
+        let s = record.map_or(Vec::new(), |r| evidence::path(&r.time, &r.displacement));
+        let leg = record.map_or(Vec::new(), legs);
         let peak = block.measured.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         Place {
             test: test.name.clone(),
             s: slot.rows.iter().filter_map(|&r| s.get(r).copied()).collect(),
+            leg: slot.rows.iter().filter_map(|&r| leg.get(r).copied()).collect(),
             peak,
         }
     };

@@ -4,7 +4,8 @@ use nalgebra::{DMatrix, DVector};
 fn points(ar1: f64) -> Points {
     let s: Vec<f64> = (0..40).map(|i| (f64::from(i) / 39.0).powf(1.3)).collect();
     let gap = (0..40).map(|i| if i == 17 { 4 } else { 1 }).collect();
-    Points { s, gap, sd: 0.01, ar1 }
+    let leg = (0..40).map(|i| i / 13).collect();
+    Points { s, gap, sd: 0.01, ar1, leg }
 }
 
 fn dense(p: &Points, size: &RestSize) -> (DMatrix<f64>, DMatrix<f64>) {
@@ -21,7 +22,11 @@ fn dense(p: &Points, size: &RestSize) -> (DMatrix<f64>, DMatrix<f64>) {
     let noise = DMatrix::from_fn(n, n, |i, j| p.sd.powi(2) * p.ar1.powi((at[i] - at[j]).abs()));
     let r = noise + DMatrix::from_diagonal(&DVector::from_vec(jumps()).map(|x| x * x));
     let k = DMatrix::from_fn(n, n, |i, j| {
-        let factor = if size.proportional { predicted()[i] * predicted()[j] } else { 1.0 };
+        let factor = match size.form {
+            RestForm::Even => 1.0,
+            RestForm::Proportional => predicted()[i] * predicted()[j],
+            RestForm::PerLeg => f64::from(u8::from(i / 13 == j / 13)),
+        };
         factor * size.covariance((p.s[i] - p.s[j]).abs())
     });
     (r, k)
@@ -43,8 +48,9 @@ fn filter_and_dense_matrices_agree() {
         RestSize::NONE,
         RestSize { tau: 0.03, ..RestSize::NONE },
         RestSize { upsilon: 0.02, ..RestSize::NONE },
-        RestSize { tau: 0.3, upsilon: 0.004, smooth_length: 0.1, jerk_length: 0.02, proportional: false },
-        RestSize { tau: 0.3, upsilon: 0.02, proportional: true, ..RestSize::NONE },
+        RestSize { tau: 0.3, upsilon: 0.004, smooth_length: 0.1, jerk_length: 0.02, ..RestSize::NONE },
+        RestSize { tau: 0.3, upsilon: 0.02, form: RestForm::Proportional, ..RestSize::NONE },
+        RestSize { tau: 0.3, upsilon: 0.02, form: RestForm::PerLeg, ..RestSize::NONE },
     ];
     for (size, ar1) in sizes.iter().flat_map(|s| [0.0, 0.6, -0.4].map(|a| (*s, a))) {
         let p = points(ar1);
@@ -72,8 +78,8 @@ fn filter_and_dense_matrices_agree() {
 #[test]
 fn draws_have_the_covariance() {
     let p = points(0.5);
-    for proportional in [false, true] {
-        let size = RestSize { tau: 0.03, upsilon: 0.02, smooth_length: 0.3, jerk_length: 0.05, proportional };
+    for form in [RestForm::Even, RestForm::Proportional, RestForm::PerLeg] {
+        let size = RestSize { tau: 0.03, upsilon: 0.02, smooth_length: 0.3, jerk_length: 0.05, form };
         let (r, k) = dense(&p, &size);
         let process = Process::beside(&p, size, &predicted(), &jumps());
         let mut random = Random::new(4);

@@ -3,7 +3,7 @@
 use crate::toys;
 
 use evidence::special::{ln_half_line, ln_sum_exp};
-use evidence::{Belief, Evidence, Kernel, Record, RestPrior, RestSize, View};
+use evidence::{Belief, Evidence, Kernel, Record, RestForm, RestPrior, RestSize, View};
 use inverse::NoiseModel;
 use nalgebra::{DMatrix, DVector};
 use toys::*;
@@ -42,11 +42,11 @@ fn without_a_rest_it_is_the_linear_gaussian_closed_form() {
 /// ∫ over τ, υ on a fine grid of the dense closed form, for a complete model's rest and for one with a cause outside.
 fn brute(r: &DVector<f64>, prior: &RestPrior, c: &DMatrix<f64>, sd: f64) -> [f64; 2] {
     let s = line(N);
-    let unit = |smooth: bool, length: f64, proportional: bool| {
+    let unit = |smooth: bool, length: f64, form: RestForm| {
         let size = if smooth {
-            RestSize { tau: 1.0, smooth_length: length, proportional, ..RestSize::NONE }
+            RestSize { tau: 1.0, smooth_length: length, form, ..RestSize::NONE }
         } else {
-            RestSize { upsilon: 1.0, jerk_length: length, proportional, ..RestSize::NONE }
+            RestSize { upsilon: 1.0, jerk_length: length, form, ..RestSize::NONE }
         };
         dense_rest(&s, &size) * PEAK.powi(2)
     };
@@ -69,11 +69,17 @@ fn brute(r: &DVector<f64>, prior: &RestPrior, c: &DMatrix<f64>, sd: f64) -> [f64
         (t * u, 0.5 * (far_t * u + t * far_u))
     };
     let with_zero: Vec<f64> = std::iter::once(0.0).chain(sizes).collect();
-    let forms = [(false, 1.0 - prior.proportional), (true, prior.proportional)];
-    let shapes = forms.into_iter().flat_map(|f| prior.smooth_lengths.iter().map(move |l| (f, *l)));
-    for ((proportional, m1), (length, m2)) in shapes {
-        let (smooth, mass) = (unit(true, length, proportional), m1 * m2);
-        let jerk = unit(false, prior.jerk_lengths[0].0, proportional);
+    let even = 1.0 - prior.proportional - prior.per_leg;
+    let forms = [
+        (RestForm::Even, even),
+        (RestForm::Proportional, prior.proportional),
+        (RestForm::PerLeg, prior.per_leg),
+    ];
+    let forms = forms.into_iter().filter(|f| f.1 > 0.0);
+    let shapes = forms.flat_map(|f| prior.smooth_lengths.iter().map(move |l| (f, *l)));
+    for ((form, m1), (length, m2)) in shapes {
+        let (smooth, mass) = (unit(true, length, form), m1 * m2);
+        let jerk = unit(false, prior.jerk_lengths[0].0, form);
         for &tau in &with_zero {
             for &upsilon in &with_zero {
                 let (d, e) = density(tau, upsilon);
@@ -93,8 +99,9 @@ fn brute(r: &DVector<f64>, prior: &RestPrior, c: &DMatrix<f64>, sd: f64) -> [f64
 #[test]
 fn with_a_rest_it_is_the_brute_force_integral() {
     let waves = [0.0, 0.05, 0.4].into_iter().enumerate();
-    for ((k, wave), proportional) in waves.flat_map(|w| [0.0, 0.5, 1.0].map(|p| (w, p))) {
-        let prior = RestPrior { proportional, ..RestPrior::default() };
+    let forms = [[0.0, 0.0], [0.5, 0.25], [1.0, 0.0], [0.0, 1.0]];
+    for ((k, wave), [proportional, per_leg]) in waves.flat_map(|w| forms.map(|f| (w, f))) {
+        let prior = RestPrior { proportional, per_leg, ..RestPrior::default() };
         let r = misfit(N, 0.03, k as u64) + column(3, N, wave) - column(5, N, 0.5 * wave);
         let record = pulled(&r, NoiseModel::white(0.03), PEAK);
         let model = linear(r.clone(), &[0, 1], two_normal(), PEAK);
@@ -103,7 +110,11 @@ fn with_a_rest_it_is_the_brute_force_integral() {
         let [own, other] = brute(&(r - mean), &prior, &c, 0.03);
         // Where a cause outside is believed e¹² times sooner, the sizes are laid for that one alone.
         let counts = own > other - 12.0;
-        assert!(!counts || (got.ln_z - own).abs() < 0.02, "{wave} {proportional}: {} {own}", got.ln_z);
+        assert!(
+            !counts || (got.ln_z - own).abs() < 0.02,
+            "{wave} {proportional} {per_leg}: {} {own}",
+            got.ln_z
+        );
         assert!((got.ln_z_else - other).abs() < 0.05, "{wave}: {} {other}", got.ln_z_else);
     }
 }
@@ -222,8 +233,9 @@ fn plumlees_kernel_is_the_dense_one() {
         let (c, mean) = prior_part(&[0, 2], &model.parameters);
         ln_normal(&(&r - mean), &(c + dense_noise(N, 0.04, 0.3) + orthogonal))
     };
-    for (tau, proportional) in [0.002, 0.02, 0.2].into_iter().flat_map(|t| [(t, false), (t, true)]) {
-        let size = RestSize { tau, proportional, ..RestSize::NONE };
+    let forms = [RestForm::Even, RestForm::Proportional, RestForm::PerLeg];
+    for (tau, form) in [0.002, 0.02, 0.2].into_iter().flat_map(|t| forms.map(|f| (t, f))) {
+        let size = RestSize { tau, form, ..RestSize::NONE };
         let got = Evidence::at_size(&record, &model, size, Kernel::Orthogonal).expect("evidence");
         let want = at(size);
         assert!((got - want).abs() < 1e-6, "{tau}: {got} {want}");
@@ -266,7 +278,7 @@ fn other_priors_are_asked_without_new_integrals() {
 fn faults_are_named() {
     let r = misfit(N, 0.03, 3);
     let good = data(&r, NoiseModel::white(0.03));
-    let place = |s: Vec<f64>, peak: f64| evidence::Place { test: "pull".into(), s, peak };
+    let place = |s: Vec<f64>, peak: f64| evidence::Place { test: "pull".into(), s, leg: Vec::new(), peak };
     let say =
         |places: &[evidence::Place]| Record::new(&good, places, 0.015).expect_err("a fault").to_string();
     assert_eq!(say(&[]), "places: 0 entries, expected 1");

@@ -3,7 +3,9 @@
 use crate::toys;
 
 use evidence::scores::{brier, log_score, reliability};
-use evidence::{Belief, Evidence, Judged, Kernel, Points, Posterior, Process, RestPrior, RestSize, SetPrior};
+use evidence::{
+    Belief, Evidence, Judged, Kernel, Points, Posterior, Process, RestForm, RestPrior, RestSize, SetPrior,
+};
 use inverse::{NoiseModel, Random};
 use nalgebra::DVector;
 use std::collections::BTreeSet;
@@ -21,6 +23,14 @@ fn belief(effect: usize) -> Belief {
 
 fn half_normal(random: &mut Random, scale: f64) -> f64 {
     if random.uniform() < 0.5 { 0.0 } else { scale * random.normal().abs() }
+}
+
+fn form(random: &mut Random, rest: &RestPrior) -> RestForm {
+    match random.uniform() {
+        u if u < rest.proportional => RestForm::Proportional,
+        u if u < rest.proportional + rest.per_leg => RestForm::PerLeg,
+        _ => RestForm::Even,
+    }
 }
 
 struct Drawn {
@@ -50,9 +60,9 @@ fn draw(random: &mut Random, prior: &SetPrior, rest: &RestPrior) -> Drawn {
         upsilon,
         smooth_length: length,
         jerk_length: rest.jerk_lengths[0].0,
-        proportional: random.uniform() < rest.proportional,
+        form: form(random, rest),
     };
-    let points = Points { s: line(N), gap: vec![1; N], sd: SD / PEAK, ar1: 0.0 };
+    let points = Points { s: line(N), gap: vec![1; N], sd: SD / PEAK, ar1: 0.0, leg: legs(N) };
     let (delta, noise) = Process::beside(&points, size, &pull(N), &[]).draw(random);
     let mut r = DVector::from_fn(N, |i, _| PEAK * (delta[i] + noise[i]));
     for k in 0..2 {

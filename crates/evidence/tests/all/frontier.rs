@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 fn a_few_sizes_follow_the_integral_where_much_is_left() {
     let n = 120;
     let (rest, prior) = (RestPrior::default(), evidence::SetPrior::of_catalogue(2));
-    let points = evidence::Points { s: line(n), gap: vec![1; n], sd: 1.0, ar1: 0.0 };
+    let points = evidence::Points { s: line(n), gap: vec![1; n], sd: 1.0, ar1: 0.0, leg: Vec::new() };
     let mut random = Random::new(14);
     let mut off = [0.0f64; 2];
     for _ in 0..10 {

@@ -146,7 +146,7 @@ fn intervals_allow_for_the_rest() {
     let repeats = 60;
     for _ in 0..repeats {
         let size = evidence::RestSize { tau: 0.015, ..evidence::RestSize::NONE };
-        let points = evidence::Points { s: line(n), gap: vec![1; n], sd: 1.0, ar1: 0.0 };
+        let points = evidence::Points { s: line(n), gap: vec![1; n], sd: 1.0, ar1: 0.0, leg: Vec::new() };
         let rest = DVector::from_vec(evidence::Process::new(&points, size).draw(&mut random).0) * PEAK;
         let truth = 0.2 * random.normal();
         let r = column(1, n, PEAK) * truth + rest + random.normals(n) * 0.01;

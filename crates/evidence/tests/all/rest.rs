@@ -2,14 +2,14 @@
 
 use crate::toys::*;
 
-use evidence::{Belief, Evidence, Kernel, Linear, Place, Record, RestPrior, remains};
+use evidence::{Belief, Evidence, Kernel, Linear, Place, Record, RestForm, RestPrior, remains};
 use inverse::{Data, NoiseModel, Random};
 use nalgebra::{DMatrix, DVector};
 
 /// Two tests, the rest of either as given; without a free parameter.
 fn two_tests(rests: [f64; 2], random: &mut Random) -> (Record, Linear) {
     let (n, s) = (150, line(150));
-    let points = evidence::Points { s: s.clone(), gap: vec![1; n], sd: 1.0, ar1: 0.0 };
+    let points = evidence::Points { s: s.clone(), gap: vec![1; n], sd: 1.0, ar1: 0.0, leg: Vec::new() };
     let mut part = |tau: f64| {
         let size = evidence::RestSize { tau, ..evidence::RestSize::NONE };
         let (rest, noise) = (evidence::Process::new(&points, size).draw(random).0, random.normals(n) * 0.01);
@@ -20,7 +20,7 @@ fn two_tests(rests: [f64; 2], random: &mut Random) -> (Record, Linear) {
         .map(|(name, tau)| ((*name).to_owned(), part(tau), NoiseModel::white(0.01)))
         .collect();
     let data = Data::from_parts(parts).expect("data");
-    let places = names.map(|t| Place { test: t.into(), s: s.clone(), peak: PEAK });
+    let places = names.map(|t| Place { test: t.into(), s: s.clone(), leg: Vec::new(), peak: PEAK });
     let record = Record::new(&data, &places, 0.015).expect("record");
     let model = Linear {
         misfit: data.measured(),
@@ -51,21 +51,23 @@ fn a_rest_may_be_of_one_test_alone() {
     }
 }
 
-/// A gain that wanders is believed sooner where the rest may go with the force; what does not go with it loses no more than the
-/// share of the prior that went elsewhere.
-#[test]
-fn a_rest_may_go_with_the_force() {
+/// A rest of a form is believed sooner where it may have that form; what does not have it loses no more than the share of the
+/// prior that went there.
+fn a_rest_may_have(form: RestForm, seed: u64) {
     let n = 150;
-    let mut random = Random::new(9);
-    let mut gained = |proportional: bool| {
-        let size = evidence::RestSize { tau: 0.03, proportional, ..evidence::RestSize::NONE };
-        let points = evidence::Points { s: line(n), gap: vec![1; n], sd: 1.0, ar1: 0.0 };
+    let mut random = Random::new(seed);
+    let mut gained = |has: bool| {
+        let drawn = if has { form } else { RestForm::Even };
+        let size = evidence::RestSize { tau: 0.03, form: drawn, ..evidence::RestSize::NONE };
+        let points = evidence::Points { s: line(n), gap: vec![1; n], sd: 1.0, ar1: 0.0, leg: legs(n) };
         let rest = evidence::Process::beside(&points, size, &pull(n), &[]).draw(&mut random).0;
         let r = DVector::from_vec(rest) * PEAK + random.normals(n) * 0.01;
         let record = pulled(&r, NoiseModel::white(0.01), PEAK);
         let model = linear(r, &[0, 1], base(), PEAK);
-        let ln_z = |proportional: f64| {
-            let prior = RestPrior { proportional, ..RestPrior::default() };
+        let ln_z = |mass: f64| {
+            let mass_of = |f: RestForm| if f == form { mass } else { 0.0 };
+            let (proportional, per_leg) = (mass_of(RestForm::Proportional), mass_of(RestForm::PerLeg));
+            let prior = RestPrior { proportional, per_leg, ..RestPrior::default() };
             Evidence::of(&record, &model, &prior, Kernel::Plain).expect("evidence").ln_z
         };
         ln_z(0.5) - ln_z(0.0)
@@ -78,6 +80,18 @@ fn a_rest_may_go_with_the_force() {
         without += lost;
     }
     assert!(with > 10.0 && without < 0.0, "{with} {without}");
+}
+
+/// A gain that wanders.
+#[test]
+fn a_rest_may_go_with_the_force() {
+    a_rest_may_have(RestForm::Proportional, 9);
+}
+
+/// Friction, or a reading that comes late.
+#[test]
+fn a_rest_may_begin_anew_with_every_leg() {
+    a_rest_may_have(RestForm::PerLeg, 9);
 }
 
 /// A model that jumps where the record does leads over one that goes on, and over one that jumps elsewhere.
@@ -116,7 +130,7 @@ fn what_is_left_is_found_in_its_test() {
     let repeats = 30;
     for _ in 0..repeats {
         let size = evidence::RestSize { tau: 0.02, ..evidence::RestSize::NONE };
-        let points = evidence::Points { s: s.clone(), gap: vec![1; n], sd: 1.0, ar1: 0.0 };
+        let points = evidence::Points { s: s.clone(), gap: vec![1; n], sd: 1.0, ar1: 0.0, leg: Vec::new() };
         let process = evidence::Process::new(&points, size);
         let draws: Vec<Vec<f64>> = (0..2).map(|_| process.draw(&mut random).0).collect();
         let truth = |k: usize| (draws[k].iter().map(|x| x * x).sum::<f64>() / n as f64).sqrt();
@@ -128,7 +142,12 @@ fn what_is_left_is_found_in_its_test() {
         let data =
             Data::from_parts(parts.map(|(name, values)| (name.to_owned(), values, NoiseModel::white(0.01))))
                 .expect("data");
-        let places = ["uniaxial", "tearing"].map(|t| Place { test: t.into(), s: s.clone(), peak: PEAK });
+        let places = ["uniaxial", "tearing"].map(|t| Place {
+            test: t.into(),
+            s: s.clone(),
+            leg: Vec::new(),
+            peak: PEAK,
+        });
         let record = Record::new(&data, &places, 0.015).expect("record");
         let r = data.measured();
         let model = Linear {

@@ -1,7 +1,7 @@
 //! Small problems that the tests share, and their dense covariances.
 #![allow(dead_code, reason = "each test uses some of it")]
 
-use evidence::{Belief, Linear, Parameter, Place, Record, RestPrior, RestSize};
+use evidence::{Belief, Linear, Parameter, Place, Record, RestForm, RestPrior, RestSize};
 use inverse::{Data, NoiseModel, Random};
 use nalgebra::{DMatrix, DVector};
 
@@ -25,13 +25,19 @@ pub fn line(n: usize) -> Vec<f64> {
     (0..n).map(|i| (i as f64 / (n.max(2) - 1) as f64).powf(1.2)).collect()
 }
 
+/// Three legs.
+pub fn legs(n: usize) -> Vec<usize> {
+    (0..n).map(|i| 3 * i / n).collect()
+}
+
 /// One test of `n` points with these numbers and noise.
 pub fn data(values: &DVector<f64>, noise: NoiseModel) -> Data {
     Data::from_parts([("pull".to_owned(), values.as_slice().to_vec(), noise)]).expect("good data")
 }
 
 pub fn record(data: &Data, peak: f64) -> Record {
-    let place = Place { test: "pull".into(), s: line(data.points()), peak };
+    let n = data.points();
+    let place = Place { test: "pull".into(), s: line(n), leg: legs(n), peak };
     Record::new(data, &[place], 0.015).expect("good record")
 }
 
@@ -88,8 +94,16 @@ pub fn misfit(n: usize, sd: f64, seed: u64) -> DVector<f64> {
 
 /// Covariance of the rest, shares of the peak, beside a model that predicts a pull.
 pub fn dense_rest(s: &[f64], size: &RestSize) -> DMatrix<f64> {
-    let h = if size.proportional { pull(s.len()) } else { vec![1.0; s.len()] };
-    DMatrix::from_fn(s.len(), s.len(), |i, j| h[i] * h[j] * size.covariance((s[i] - s[j]).abs()))
+    let n = s.len();
+    let (h, leg) = (pull(n), legs(n));
+    DMatrix::from_fn(n, n, |i, j| {
+        let factor = match size.form {
+            RestForm::Even => 1.0,
+            RestForm::Proportional => h[i] * h[j],
+            RestForm::PerLeg => f64::from(u8::from(leg[i] == leg[j])),
+        };
+        factor * size.covariance((s[i] - s[j]).abs())
+    })
 }
 
 /// Covariance of AR(1) noise.
