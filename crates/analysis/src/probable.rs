@@ -2,7 +2,7 @@
 //! fitted by the columns of the screens.
 
 use crate::ladder::{FeLadder, Fitted};
-use crate::weigh::{AtFit, Beliefs, Known, Scale};
+use crate::weigh::{AtFit, Beliefs, Gain, Known, Scale};
 use diagnose::Candidate;
 use evidence::{EvidenceError, ExplainedTo, Judged, Posterior, Remains, SetProbability};
 use rayon::prelude::*;
@@ -169,12 +169,12 @@ fn beside(
         let of = known.weighed(&a.judged.effects).ok_or(EvidenceError::Empty)?;
         scale.gain(of, AtFit::from(a.fitted), a.candidate)
     };
-    let gains: Vec<Option<f64>> = asked.par_iter().map(gain).collect::<Result<_, EvidenceError>>()?;
+    let gains: Vec<Option<Gain>> = asked.par_iter().map(gain).collect::<Result<_, EvidenceError>>()?;
     let mut best: BTreeMap<Vec<String>, Judged> = BTreeMap::new();
     for (a, gain) in asked.iter().zip(gains) {
         known.change(&a.judged.effects, |m| m.note_gain(a.candidate, gain));
         let Some(gain) = gain else { continue };
-        let j = a.judged.extended(&a.larger, gain);
+        let j = a.judged.extended(&a.larger, gain.ln_z).leaving(gain.left);
         if best.get(&j.effects).is_none_or(|b| b.ln_z() < j.ln_z()) {
             best.insert(j.effects.clone(), j);
         }

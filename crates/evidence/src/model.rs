@@ -210,6 +210,12 @@ impl Evidence {
         ln.iter().map(|x| (x - sum).exp()).collect()
     }
 
+    /// Probability that nothing is left beyond noise; `beyond` is the prior mass of a cause from outside.
+    pub(crate) fn noise_alone(&self, view: &View<'_>, beyond: f64) -> f64 {
+        let weights = self.weights(view, beyond);
+        weights.iter().zip(&self.nodes).filter(|(_, n)| n.support == 0).map(|(w, _)| w).sum()
+    }
+
     /// The solution at a node, noise as estimated, the mesh's error with half its scale.
     pub(crate) fn solved(&self, node: usize) -> Solved {
         self.nodes[node].reduced.solve(&self.parameters, 0.5)

@@ -1,5 +1,6 @@
 //! Posterior over sets of effects, "nothing", and "something else".
 
+use crate::likeness::set_apart;
 use crate::model::{Evidence, View};
 use crate::rest::RestPrior;
 use crate::special::ln_sum_exp;
@@ -48,6 +49,10 @@ pub struct Judged {
     pub gain: f64,
     /// ln Z (complete model's rest, cause from outside) in the ways of asking.
     values: [[f64; 2]; 5],
+    /// Probability that it leaves noise alone.
+    noise_alone: f64,
+    /// Mean square that it leaves beyond noise, where that is known.
+    left: Option<f64>,
 }
 
 impl Judged {
@@ -77,7 +82,15 @@ impl Judged {
             fitted: true,
             gain: 0.0,
             values,
+            noise_alone: evidence.noise_alone(&View { rest, amplitude: 1.0 }, prior.beyond),
+            left: None,
         }
+    }
+
+    /// With the mean square of its misfit beyond noise ([`crate::excess`]). A set's effects are asked whether they are but the
+    /// likeness of an unknown cause where this is known of the set, and of the set without them.
+    pub fn leaving(self, excess: f64) -> Self {
+        Self { left: Some((1.0 - self.noise_alone) * excess), ..self }
     }
 
     /// From numbers alone: the same in every way of asking.
@@ -88,17 +101,19 @@ impl Judged {
             fitted: true,
             gain: 0.0,
             values: [[ln_z, ln_z_else]; 5],
+            noise_alone: 0.0,
+            left: None,
         }
     }
 
     /// Another set that was fitted: this one's evidence and what it has more.
     pub fn with_effects(&self, effects: &[String], more: f64) -> Self {
-        Self { fitted: true, gain: 0.0, ..self.extended(effects, more) }
+        Self { fitted: true, gain: 0.0, noise_alone: 0.0, ..self.extended(effects, more) }
     }
 
     /// A larger set that was not fitted: this one's evidence and what it gains.
     pub fn extended(&self, effects: &[String], gain: f64) -> Self {
-        Self { effects: effects.to_vec(), gain, ..self.clone() }.predicted(gain)
+        Self { effects: effects.to_vec(), gain, left: None, ..self.clone() }.predicted(gain)
     }
 
     /// ln Z with a complete model's rest.
@@ -175,6 +190,18 @@ fn joint(
     parts.into_iter().map(|(k, v)| (k, v.map(ln_sum_exp))).collect()
 }
 
+/// The mean square that each set leaves beyond noise, by the form of it that leads.
+fn left_by(models: &[Judged]) -> BTreeMap<Key, f64> {
+    let mut best: BTreeMap<Key, &Judged> = BTreeMap::new();
+    for m in models {
+        let here = best.entry(m.effects.iter().cloned().collect()).or_insert(m);
+        if m.ln_z() > here.ln_z() {
+            *here = m;
+        }
+    }
+    best.into_iter().filter_map(|(set, m)| Some((set, m.left?))).collect()
+}
+
 fn normalised(models: &[Judged], prior: &SetPrior, way: usize) -> Vec<SetProbability> {
     let ln = joint(models, prior, way, |_| true);
     let sum = ln_sum_exp(ln.values().flatten().copied().collect::<Vec<_>>());
@@ -186,6 +213,7 @@ fn normalised(models: &[Judged], prior: &SetPrior, way: usize) -> Vec<SetProbabi
             with_something_else: (other - sum).exp(),
         })
         .collect();
+    sets = set_apart(sets, &left_by(models), prior);
     // Differences of large logarithms leave a sum that is 1 but for rounding.
     let all: f64 = sets.iter().map(|s| s.probability + s.with_something_else).sum();
     for s in &mut sets {

@@ -1,10 +1,10 @@
 //! How much is left: the rest itself, drawn from its posterior.
 
 use crate::linear::Linear;
-use crate::model::{Evidence, View};
-use crate::node::Node;
-use crate::record::Record;
-use crate::rest::RestPrior;
+use crate::model::{Evidence, Kernel, View};
+use crate::node::{Node, reduce};
+use crate::record::{EvidenceError, Record};
+use crate::rest::{RestPrior, RestSize};
 use crate::shares::Shares;
 use inverse::Random;
 use nalgebra::DVector;
@@ -75,7 +75,7 @@ pub fn remains(
 ) -> Remains {
     let shares = Shares::of(record, linear);
     let weights = evidence.weights(&View { rest, amplitude: 1.0 }, beyond);
-    let none: f64 = weights.iter().zip(&evidence.nodes).filter(|(_, n)| n.support == 0).map(|(w, _)| w).sum();
+    let none = evidence.noise_alone(&View { rest, amplitude: 1.0 }, beyond);
     let mut random = Random::new(20_260_727);
     let mut names: Vec<&str> = record.blocks.iter().map(|b| b.test.as_str()).collect();
     names.dedup();
@@ -100,6 +100,22 @@ pub fn remains(
     let tests = names.iter().zip(each).map(|(n, s)| ((*n).to_owned(), share(s))).collect();
     let none_before = rest.zero * rest.zero * (1.0 - beyond);
     Remains { all: share(all), tests, none, none_before }
+}
+
+/// Mean square of a model's misfit beyond that of the noise, where its parameters are moved to the least squares of its linearisation; of
+/// shares of the peak, 0 at least.
+///
+/// # Errors
+/// [`EvidenceError`] when the model does not fit the record.
+pub fn excess(record: &Record, linear: &Linear) -> Result<f64, EvidenceError> {
+    linear.check(record)?;
+    let shares = Shares::of(record, linear);
+    let reduced = reduce(record, &shares, (RestSize::NONE, None), Kernel::Plain);
+    let step = reduced.solve(&linear.parameters, 0.5).bounded_step(&linear.parameters);
+    let q = shares.x.ncols() - 1;
+    let misfit = shares.x.column(q) - shares.x.columns(0, q) * step.rows(0, q);
+    let noise: f64 = record.blocks.iter().map(|b| b.rows.len() as f64 * b.points.sd.powi(2)).sum();
+    Ok(((misfit.norm_squared() - noise) / record.used as f64).max(0.0))
 }
 
 /// Sum of squares of the rest in each block.

@@ -1,5 +1,6 @@
 //! What was computed of models on one record. A search asks for its probabilities after every round, in which few models change.
 
+use super::Gain;
 use crate::probable::Left;
 use diagnose::Candidate;
 use evidence::{Judged, Linear, Record};
@@ -19,22 +20,24 @@ pub(crate) struct KnownModel {
     pub linear: Linear,
     /// ln Z on a few sizes of the rest.
     pub quick: f64,
+    /// Mean square that it leaves beyond noise.
+    pub excess: f64,
     /// With the integral over the rest; none for what was far behind.
     pub judged: Option<Judged>,
     /// What it leaves, where that was asked.
     pub left: Option<Left>,
     /// What candidates gain: the columns of their shapes, and the gain.
-    gains: BTreeMap<String, (Vec<DMatrix<f64>>, Option<f64>)>,
+    gains: BTreeMap<String, (Vec<DMatrix<f64>>, Option<Gain>)>,
 }
 
 impl KnownModel {
-    /// A model of which nothing but its quick value is known.
-    pub fn new(quick: f64, linear: Linear) -> Self {
-        Self { linear, quick, judged: None, left: None, gains: BTreeMap::new() }
+    /// A model of which nothing but its quick value and what it leaves is known.
+    pub fn new(quick: f64, excess: f64, linear: Linear) -> Self {
+        Self { linear, quick, excess, judged: None, left: None, gains: BTreeMap::new() }
     }
 
     /// The gain of a candidate, if it was asked with the same columns.
-    pub fn gain(&self, candidate: &Candidate) -> Option<Option<f64>> {
+    pub fn gain(&self, candidate: &Candidate) -> Option<Option<Gain>> {
         let (columns, gain) = self.gains.get(&candidate.effect)?;
         let same = columns.len() == candidate.shapes.len()
             && columns.iter().zip(&candidate.shapes).all(|(a, b)| *a == b.columns);
@@ -42,7 +45,7 @@ impl KnownModel {
     }
 
     /// Notes the gain of a candidate.
-    pub fn note_gain(&mut self, candidate: &Candidate, gain: Option<f64>) {
+    pub fn note_gain(&mut self, candidate: &Candidate, gain: Option<Gain>) {
         let columns = candidate.shapes.iter().map(|s| s.columns.clone()).collect();
         self.gains.insert(candidate.effect.clone(), (columns, gain));
     }

@@ -12,6 +12,7 @@ use diagnose::Candidate;
 use evidence::special::ln_sum_exp;
 use evidence::{
     Evidence, EvidenceError, HOPELESS, Judged, Kernel, Linear, Parameter, Place, Record, RestPrior, SetPrior,
+    excess,
 };
 use input::{Case, DiagnoseConfig};
 use inverse::{Fit, Free};
@@ -84,17 +85,26 @@ fn places(measured: &Measured, case: &Case) -> Vec<Place> {
     measured.slots.iter().zip(&measured.data.blocks).map(one).collect()
 }
 
-/// Effects of a model, its ln Z on a few sizes of the rest, and its evidence where that was asked.
-type Weighed<'a> = (&'a Vec<String>, f64, Option<&'a Judged>);
+/// What a further effect changes, by its columns alone.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Gain {
+    /// By how much ln Z changes: the mean over the effect's shapes.
+    pub ln_z: f64,
+    /// Mean square that is left beyond noise, by the shape that leaves least.
+    pub left: f64,
+}
+
+/// Effects of a model, its ln Z on a few sizes of the rest, the mean square that it leaves, and its evidence where that was asked.
+type Weighed<'a> = (&'a Vec<String>, f64, f64, Option<&'a Judged>);
 
 /// Every model's evidence: of those that have none of their own, as far behind the leading one as the few sizes say. Another one's
 /// would not do: on a few sizes a model that leaves much comes out too low, and what it has more is not theirs.
 /// None where no model has an evidence.
 fn judged_all(models: &[Weighed<'_>]) -> Option<Vec<Judged>> {
-    let own = models.iter().filter_map(|&(_, quick, judged)| Some((quick, judged?)));
+    let own = models.iter().filter_map(|&(_, quick, _, judged)| Some((quick, judged?)));
     let (at, leading) = own.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let judged = |&(effects, quick, judged): &Weighed<'_>| {
-        judged.cloned().unwrap_or_else(|| leading.with_effects(effects, quick - at))
+    let judged = |&(effects, quick, excess, judged): &Weighed<'_>| {
+        judged.cloned().unwrap_or_else(|| leading.with_effects(effects, quick - at)).leaving(excess)
     };
     Some(models.iter().map(judged).collect())
 }
@@ -149,7 +159,11 @@ impl<'a> Scale<'a> {
         let quick = |(effects, f): &(&Vec<String>, AtFit)| {
             let linear = self.linear(*f)?;
             let seen = known.of(effects, &linear).is_some();
-            (!seen).then(|| Ok(KnownModel::new(self.quick(&linear)?, linear))).transpose()
+            let new = |linear: Linear| {
+                let excess = excess(&self.record, &linear)?;
+                Ok(KnownModel::new(self.quick(&linear)?, excess, linear))
+            };
+            (!seen).then(|| new(linear)).transpose()
         };
         let fresh: Vec<Option<KnownModel>> =
             all.par_iter().map(quick).collect::<Result<_, EvidenceError>>()?;
@@ -159,7 +173,8 @@ impl<'a> Scale<'a> {
         self.integrate(all, known)?;
         let models: Vec<Weighed<'_>> = (all.iter())
             .map(|a| {
-                known.weighed(a.0).map(|m| (a.0, m.quick, m.judged.as_ref())).ok_or(EvidenceError::Empty)
+                let known = known.weighed(a.0);
+                known.map(|m| (a.0, m.quick, m.excess, m.judged.as_ref())).ok_or(EvidenceError::Empty)
             })
             .collect::<Result<_, EvidenceError>>()?;
         judged_all(&models).ok_or(EvidenceError::Empty)
@@ -195,14 +210,13 @@ impl<'a> Scale<'a> {
         Ok(Left { explained_to: rest.explained_to(*practice), rest })
     }
 
-    /// By how much ln Z changes where a candidate of a model's screen is added to it, by its columns alone: the mean over its
-    /// shapes. `None` for a candidate without columns.
+    /// What a candidate of a model's screen changes where it is added, by its columns alone. `None` for a candidate without columns.
     pub fn gain(
         &self,
         of: &KnownModel,
         at: AtFit,
         candidate: &Candidate,
-    ) -> Result<Option<f64>, EvidenceError> {
+    ) -> Result<Option<Gain>, EvidenceError> {
         if let Some(gain) = of.gain(candidate) {
             return Ok(gain);
         }
@@ -218,13 +232,15 @@ impl<'a> Scale<'a> {
         };
         let parameter =
             Parameter { path: free.path.clone(), at: free.forward(neutral), belief, amplitude: true };
-        let mut each = Vec::new();
+        let (mut each, mut left) = (Vec::new(), f64::INFINITY);
         for shape in &candidate.shapes {
             let columns = &shape.columns * free.transform.slope(neutral);
-            each.push(self.quick(&of.linear.with(std::slice::from_ref(&parameter), &columns)?)? - of.quick);
+            let linear = of.linear.with(std::slice::from_ref(&parameter), &columns)?;
+            each.push(self.quick(&linear)? - of.quick);
+            left = left.min(excess(&self.record, &linear)?);
         }
         let shapes = each.len() as f64;
-        Ok((shapes > 0.0).then(|| ln_sum_exp(each) - shapes.ln()))
+        Ok((shapes > 0.0).then(|| Gain { ln_z: ln_sum_exp(each) - shapes.ln(), left }))
     }
 }
 
@@ -240,8 +256,11 @@ mod tests {
             Judged::from_numbers(&names[0], 2400.0, 2401.0),
             Judged::from_numbers(&names[1], 2471.0, 2467.0),
         );
-        let models =
-            [(&names[0], 2300.0, Some(&base)), (&names[1], 2470.0, Some(&leader)), (&names[2], 2450.0, None)];
+        let models = [
+            (&names[0], 2300.0, 1.0, Some(&base)),
+            (&names[1], 2470.0, 0.1, Some(&leader)),
+            (&names[2], 2450.0, 0.2, None),
+        ];
         let all = judged_all(&models).expect("evidence");
         let ln_z: Vec<f64> = all.iter().map(Judged::ln_z).collect();
         assert_eq!(ln_z, [2400.0, 2471.0, 2451.0]);
