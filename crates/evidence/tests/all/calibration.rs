@@ -5,6 +5,7 @@ use crate::toys;
 use evidence::scores::{brier, log_score, reliability};
 use evidence::{
     Belief, Evidence, Judged, Kernel, Points, Posterior, Process, RestForm, RestPrior, RestSize, SetPrior,
+    excess,
 };
 use inverse::{NoiseModel, Random};
 use nalgebra::DVector;
@@ -74,7 +75,8 @@ fn draw(random: &mut Random, prior: &SetPrior, rest: &RestPrior) -> Drawn {
     Drawn { r, set, beyond }
 }
 
-fn posterior(drawn: &Drawn, prior: &SetPrior, rest: &RestPrior) -> Posterior {
+/// `likeness`: whether effects are asked if they are but the likeness of an unknown cause.
+fn posterior(drawn: &Drawn, prior: &SetPrior, rest: &RestPrior, likeness: bool) -> Posterior {
     let record = pulled(&drawn.r, NoiseModel::white(SD), PEAK);
     let mut models = Vec::new();
     for mask in 0..1usize << EFFECTS.len() {
@@ -88,7 +90,9 @@ fn posterior(drawn: &Drawn, prior: &SetPrior, rest: &RestPrior) -> Posterior {
         let names: Vec<String> = set.iter().map(|&e| EFFECTS[e].0.to_owned()).collect();
         let model = linear(drawn.r.clone(), &kinds, p, PEAK);
         let evidence = Evidence::of(&record, &model, rest, Kernel::Plain).expect("evidence");
-        models.push(Judged::new(&names, &evidence, rest, 1.0, prior));
+        let judged = Judged::new(&names, &evidence, rest, 1.0, prior);
+        let left = excess(&record, &model).expect("a misfit");
+        models.push(if likeness { judged.leaving(left) } else { judged });
     }
     Posterior::of(&models, prior)
 }
@@ -111,7 +115,7 @@ fn stated_probabilities_are_frequencies() {
         (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for _ in 0..150 {
         let drawn = draw(&mut random, &prior, &rest);
-        let p = posterior(&drawn, &prior, &rest);
+        let p = posterior(&drawn, &prior, &rest, false);
         for (e, (name, _)) in EFFECTS.iter().enumerate() {
             stated.push(p.effects[*name]);
             happened.push(drawn.set.contains(&e));
@@ -149,4 +153,50 @@ fn stated_probabilities_are_frequencies() {
         }
         assert!(brier(p, y) < r.uncertainty);
     }
+}
+
+/// A cause from outside that looks like an effect as much as it looks like a draw of a process: any share of it, none to all.
+fn alike(random: &mut Random, prior: &SetPrior, rest: &RestPrior) -> Drawn {
+    let mut drawn = draw(random, &SetPrior { beyond: 0.0, ..prior.clone() }, rest);
+    drawn.beyond = random.uniform() < prior.beyond;
+    if drawn.beyond {
+        let of_size_one = |v: DVector<f64>| v.clone() * ((N as f64).sqrt() / v.norm());
+        let (e, share) =
+            ((random.uniform() * EFFECTS.len() as f64) as usize % EFFECTS.len(), random.uniform());
+        let points = Points { s: line(N), gap: vec![1; N], sd: SD / PEAK, ar1: 0.0, leg: legs(N) };
+        let size = RestSize { tau: 1.0, smooth_length: rest.smooth_lengths[0].0, ..RestSize::NONE };
+        let process = DVector::from_vec(Process::beside(&points, size, &pull(N), &[]).draw(random).0);
+        let shape = of_size_one(column(EFFECTS[e].1, N, 1.0)) * share.sqrt()
+            + of_size_one(process) * (1.0 - share).sqrt();
+        drawn.r +=
+            shape * (PEAK * rest.smooth * rest.else_median * (rest.else_spread * random.normal()).exp());
+    }
+    drawn
+}
+
+/// Where unknown causes look like effects, an effect that takes a part of what is left is not that certain: fewer names are not true,
+/// and what is stated is nearer to what is.
+#[test]
+fn likeness_makes_names_beside_unknown_causes_honest() {
+    let prior = SetPrior { expected: 0.9, catalogue: EFFECTS.len(), beyond: 0.5, factor: 2.0 };
+    let rest = RestPrior::default();
+    let mut random = Random::new(78);
+    let (mut plain, mut asked, mut happened) = (Vec::new(), Vec::new(), Vec::new());
+    for _ in 0..80 {
+        let drawn = alike(&mut random, &prior, &rest);
+        let [without, with] = [false, true].map(|l| posterior(&drawn, &prior, &rest, l));
+        for (e, (name, _)) in EFFECTS.iter().enumerate() {
+            plain.push(without.effects[*name]);
+            asked.push(with.effects[*name]);
+            happened.push(drawn.set.contains(&e));
+        }
+    }
+    let named = |p: &[f64], true_ones: bool| {
+        p.iter().zip(&happened).filter(|(p, y)| **p > 0.75 && **y == true_ones).count()
+    };
+    let [before, after] = [&plain, &asked]
+        .map(|p| (log_score(p, &happened, 1e-6), surprise(p, &happened), named(p, true), named(p, false)));
+    println!("likeness: {before:.3?} {after:.3?} (log score, sd, names that are true, and not)");
+    assert!(after.0 < before.0 && after.1.abs() < 3.0, "{before:?} {after:?}");
+    assert!(2 * after.3 < before.3 && 10 * after.2 > 7 * before.2, "{before:?} {after:?}");
 }
