@@ -114,8 +114,17 @@ pub fn excess(record: &Record, linear: &Linear) -> Result<f64, EvidenceError> {
     let step = reduced.solve(&linear.parameters, 0.5).bounded_step(&linear.parameters);
     let q = shares.x.ncols() - 1;
     let misfit = shares.x.column(q) - shares.x.columns(0, q) * step.rows(0, q);
-    let noise: f64 = record.blocks.iter().map(|b| b.rows.len() as f64 * b.points.sd.powi(2)).sum();
-    Ok(((misfit.norm_squared() - noise) / record.used as f64).max(0.0))
+    let (mut sum, mut at) = (0.0, 0);
+    for (block, jumps) in record.blocks.iter().zip(&shares.jumps) {
+        let noise = block.points.sd.powi(2);
+        for k in 0..block.rows.len() {
+            // Where the model jumps its misfit counts as little as what is known of it there.
+            let known = noise / (noise + jumps.get(k).map_or(0.0, |j| j * j));
+            sum += known * (misfit[at + k].powi(2) - noise);
+        }
+        at += block.rows.len();
+    }
+    Ok((sum / record.used as f64).max(0.0))
 }
 
 /// Sum of squares of the rest in each block.

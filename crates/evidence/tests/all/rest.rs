@@ -2,7 +2,7 @@
 
 use crate::toys::*;
 
-use evidence::{Belief, Evidence, Kernel, Linear, Place, Record, RestForm, RestPrior, remains};
+use evidence::{Belief, Evidence, Kernel, Linear, Place, Record, RestForm, RestPrior, excess, remains};
 use inverse::{Data, NoiseModel, Random};
 use nalgebra::{DMatrix, DVector};
 
@@ -118,6 +118,30 @@ fn a_jump_is_worth_what_it_explains() {
     // Five points of which nothing is known but that the jump is there: ln(0.2 · PEAK / 0.01) = 4.1 each.
     assert!((there - beside).abs() < 3.0, "{there} {beside}");
     assert!(there > far + 20.0 && there > never + 20.0, "{there} {far} {never}");
+}
+
+/// What a model leaves beyond noise is the mean square of its misfit less the noise's, its parameters at their least squares; where it
+/// jumps nothing counts that is not known there.
+#[test]
+fn what_is_left_beyond_noise_is_a_mean_square() {
+    let n = 400;
+    let wave = column(5, n, 0.03 * PEAK);
+    let noise = Random::new(4).normals(n) * (0.01 * PEAK);
+    let model = NoiseModel::white(0.01 * PEAK);
+    let of = |r: &DVector<f64>, kinds: &[usize], jumps: Vec<f64>| {
+        let record = record(&data(r, model.clone()), PEAK);
+        let free = kinds.iter().map(|_| parameter("a", Belief::normal(0.0, 100.0), false)).collect();
+        excess(&record, &Linear { jumps, ..linear(r.clone(), kinds, free, 1.0) }).expect("a misfit")
+    };
+    let r = &wave + &noise;
+    let want = wave.norm_squared() / (n as f64 * PEAK * PEAK);
+    let (left, taken) = (of(&r, &[0], Vec::new()), of(&r, &[0, 5], Vec::new()));
+    assert!((left / want - 1.0).abs() < 0.05 && taken < 0.02 * want, "{left} {taken} {want}");
+    let mut off = r.clone();
+    off[200] += PEAK;
+    let jump = (0..n).map(|i| if i == 200 { PEAK } else { 0.0 }).collect();
+    let (counted, known) = (of(&off, &[0], Vec::new()), of(&off, &[0], jump));
+    assert!(counted > 2.0 * want && (known / want - 1.0).abs() < 0.05, "{counted} {known} {want}");
 }
 
 /// Two tests and a camera: the rest of each test is found where it is, with the interval around the truth.
