@@ -1,6 +1,7 @@
 //! Where the fit of a rung begins: at the screen's estimate, nearer to the base, off the base's bounds, from where the
 //! base's fit began.
 
+use super::fit::FAR;
 use super::{FeLadder, Fitted};
 use crate::columns::{case_with, transfer};
 use crate::correction::Correction;
@@ -141,15 +142,23 @@ impl FeLadder<'_> {
     }
 
     /// Once more from where `fct identify` begins with this model in the file, its effects as the first fit has them: the
-    /// base's optimum, from which that was fitted, may be bent to where no step leads out. The better of the two.
+    /// base's optimum, from which that was fitted, may be bent to where no step leads out. Where either misses the records by
+    /// far, where `identify` ends on the file's mesh. The best of them.
     pub(super) fn restart_as_identified(&self, first: Fitted) -> Fitted {
         (self.progress)(&format!(
             "{}: once more from the record",
             super::named(&self.parts_of(&first.model))
         ));
-        match self.fitted_from_the_record(&first) {
+        let best = match self.fitted_from_the_record(&first) {
             Ok(f) if f.fit.f < first.fit.f => f,
             _ => first,
+        };
+        if best.quality.reduced_chi2_total <= FAR || self.cancelled.stops() {
+            return best;
+        }
+        match self.settle_as_identified(&best) {
+            Ok(Some((f, _))) if f.fit.f < best.fit.f => f,
+            _ => best,
         }
     }
 

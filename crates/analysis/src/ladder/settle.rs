@@ -77,7 +77,10 @@ impl FeLadder<'_> {
     }
 
     /// A fit that gives no answer on the file's mesh, taken to where `fct identify` of its model ends there. `None`: nowhere.
-    fn settle_as_identified(&self, f: &Fitted) -> Result<Option<(Fitted, FineStates)>, AnalysisError> {
+    pub(super) fn settle_as_identified(
+        &self,
+        f: &Fitted,
+    ) -> Result<Option<(Fitted, FineStates)>, AnalysisError> {
         let found = with_effects_at(f);
         let mut case = (*self.fine_case).clone();
         (case.effects, case.bulk, case.interface) = (found.effects, found.bulk, found.interface);
