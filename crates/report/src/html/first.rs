@@ -54,7 +54,12 @@ pub fn cause(v: &View) -> (bool, String) {
             Some(m) => format!("The model explains the records with {m}: what is left is noise."),
             None => "The model explains the records: what is left is noise.".to_owned(),
         },
-        (false, "unexplained") if searched => "No effect of the catalogue explains the records.".to_owned(),
+        (false, "unexplained") if searched && named.is_empty() => {
+            "No effect of the catalogue explains the records.".to_owned()
+        }
+        (false, "unexplained") if searched => {
+            format!("Missing: {named}, and something that the catalogue does not hold.")
+        }
         (false, _) => {
             let place = places(v).into_iter().next();
             let off = place.map_or_else(String::new, |(test, segment, share, _)| {
