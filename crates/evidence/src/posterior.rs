@@ -111,7 +111,8 @@ impl Judged {
         Self { fitted: true, gain: 0.0, noise_alone: 0.0, ..self.extended(effects, more) }
     }
 
-    /// A larger set that was not fitted: this one's evidence and what it gains.
+    /// A larger set that was not fitted: this one's evidence and what it gains. It leaves noise alone with this one's probability, at
+    /// least.
     pub fn extended(&self, effects: &[String], gain: f64) -> Self {
         Self { effects: effects.to_vec(), gain, left: None, ..self.clone() }.predicted(gain)
     }

@@ -266,4 +266,35 @@ mod tests {
         assert_eq!(ln_z, [2400.0, 2471.0, 2451.0]);
         assert!(judged_all(&models[2..]).is_none());
     }
+
+    /// An effect that takes next to nothing of what is left, where something else acts for certain, is no name whatever it gains; one
+    /// that takes all is.
+    #[test]
+    fn what_takes_little_of_much_is_not_certain() {
+        let names = [vec![], vec!["effect".to_owned()]];
+        let numbers = [(2400.0, 2450.0), (2410.0, 2480.0)];
+        let judged: Vec<Judged> =
+            names.iter().zip(numbers).map(|(n, (own, other))| Judged::from_numbers(n, own, other)).collect();
+        let probability = |left: f64| {
+            let models =
+                [(&names[0], 2450.0, 1.0, Some(&judged[0])), (&names[1], 2480.0, left, Some(&judged[1]))];
+            let all = judged_all(&models).expect("evidence");
+            evidence::Posterior::of(&all, &SetPrior::of_catalogue(20)).effects["effect"]
+        };
+        assert!(probability(0.95) < 0.5 && probability(0.0) > 0.99, "{}", probability(0.95));
+    }
+
+    #[test]
+    fn a_corner_ends_its_leg() {
+        let displacement: Vec<f64> = (0..=10).chain((5..10).rev()).chain([5; 6]).map(f64::from).collect();
+        let record = input::Record {
+            time: (0..displacement.len()).map(|i| i as f64).collect(),
+            force: vec![0.0; displacement.len()],
+            displacement,
+            ..input::Record::default()
+        };
+        let legs = legs(&record);
+        let ends = [10, 15, 21].map(|row| legs[row]);
+        assert_eq!((legs[0], legs[11], legs[16], ends), (0, 1, 2, [0, 1, 2]), "{legs:?}");
+    }
 }
