@@ -3,6 +3,7 @@
 
 use crate::GenerateError;
 use crate::draw::Tissue;
+use crate::foreign::Foreign;
 use crate::forward::Fit;
 use crate::spec::Protocol;
 use input::{Geometry, Record};
@@ -20,7 +21,7 @@ pub struct Truth {
     pub seed: u64,
     /// Protocol.
     pub protocol: Protocol,
-    /// Effects; empty for none. `outside:…`: not in the catalogue.
+    /// Effects; empty for none. `outside:…`: not in the catalogue; `foreign:…`: by another formula than the catalogue's.
     pub effects: Vec<String>,
     /// Strength of each effect, 1 being ordinary.
     pub strengths: Vec<f64>,
@@ -60,6 +61,16 @@ impl Truth {
     /// Whether something is hidden that no catalogue entry describes.
     pub fn is_outside(&self) -> bool {
         self.effects.iter().any(|e| e.starts_with("outside:"))
+    }
+
+    /// Whether all that is hidden, if anything, is of the catalogue.
+    pub fn is_known(&self) -> bool {
+        !self.is_outside() && self.foreign().is_none()
+    }
+
+    /// The law of other people that is hidden.
+    pub fn foreign(&self) -> Option<Foreign> {
+        self.effects.iter().find_map(|e| Foreign::of(e))
     }
 
     /// Mean fracture energy of the areas, N/mm.
@@ -109,7 +120,7 @@ pub fn write(
 
 /// What is hidden, as effects of the model with the values of their cards; nothing for what no catalogue holds.
 fn in_the_model(truth: &Truth) -> String {
-    let known = truth.effects.iter().filter(|_| !truth.is_outside());
+    let known = truth.effects.iter().filter(|_| truth.is_known());
     known.map(|e| format!("[effects.{e}]\n")).collect()
 }
 

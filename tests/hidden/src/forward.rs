@@ -3,6 +3,7 @@
 
 use crate::GenerateError;
 use crate::draw::between;
+use crate::foreign::ForeignLaw;
 use crate::outside::SutureEffect;
 use crate::protocol::Extent;
 use analysis::{DataBlock, FeProblem, SimulateControl, simulate};
@@ -14,7 +15,7 @@ use std::sync::Arc;
 
 /// The catalogue of the generator: the product's, and the laws that the product does not know.
 pub fn catalogue() -> Catalogue {
-    effects::catalogue().with(Arc::new(SutureEffect))
+    ForeignLaw::all().fold(effects::catalogue().with(Arc::new(SutureEffect)), |c, law| c.with(Arc::new(law)))
 }
 
 /// How the records' user will fit them: coarsely, so that a case takes seconds.

@@ -5,8 +5,9 @@ use crate::GenerateError;
 use crate::amplitude::{self, Parameters, Sizes};
 use crate::draw::{self, Tissue, between};
 use crate::files::{self, Truth};
+use crate::foreign::{Foreign, load_cell};
 use crate::forward::{self, Computed, Fineness, add_effect, compute, probe, refine};
-use crate::outside::Outside;
+use crate::outside::{Outside, law_of};
 use crate::protocol::{self, Extent};
 use crate::signal::Visible;
 use crate::spec::{Hidden, Spec};
@@ -33,7 +34,6 @@ const CAMERA_SD: f64 = 0.005;
 struct Secret {
     /// (name in the truth, strength, parameters).
     parts: Vec<(String, f64, Parameters)>,
-    outside: Option<Outside>,
 }
 
 /// A piece whose tear does not jump, with its protocol and its records.
@@ -156,7 +156,6 @@ impl Attempt<'_> {
             duration: (last(0), last(1)),
         };
         let mut parts = Vec::new();
-        let mut outside = None;
         match &self.spec.hidden {
             Hidden::None => {}
             Hidden::Effects(list) => {
@@ -169,10 +168,12 @@ impl Attempt<'_> {
             }
             Hidden::Outside(o, strength) => {
                 parts.push((o.word().to_owned(), *strength, o.parameters(*strength, &sizes, random)));
-                outside = Some(*o);
+            }
+            Hidden::Foreign(f, strength) => {
+                parts.push((f.word().to_owned(), *strength, f.parameters(*strength, &sizes, random)));
             }
         }
-        Ok(Secret { parts, outside })
+        Ok(Secret { parts })
     }
 
     /// Records with all that is hidden but one part.
@@ -187,10 +188,9 @@ impl Attempt<'_> {
         let mut falsify = None;
         let kept = secret.parts.iter().enumerate().filter(|(i, _)| Some(*i) != left_out);
         for (_, (name, _, p)) in kept {
-            match secret.outside {
-                Some(o) if o.is_law() => add_effect(&mut case, self.catalogue, "outside_suture", p)?,
-                Some(o) => falsify = Some((o, p)),
-                None => add_effect(&mut case, self.catalogue, name, p)?,
+            match law_of(name) {
+                Some(law) => add_effect(&mut case, self.catalogue, law, p)?,
+                None => falsify = Outside::of(name).map(|o| (o, p)),
             }
         }
         let computed = if case.effects.is_empty() {
@@ -218,7 +218,7 @@ fn finish(
     random: &mut Random,
     folder: &Path,
 ) -> Result<Truth, GenerateError> {
-    let fraction = between(random, 0.007, 0.01);
+    let fraction = between(random, 0.007, 0.01) * noise_strength(&spec.hidden);
     let ar1 = if spec.correlated { between(random, 0.3, 0.6) } else { 0.0 };
     let camera = spec.protocol == crate::spec::Protocol::Rich && random.uniform() < 0.25;
     let peak = |f: &[f64]| f.iter().fold(0.0f64, |m, x| m.max(x.abs()));
@@ -259,6 +259,11 @@ fn finish(
     Ok(truth)
 }
 
+/// A load cell's noise is what is hidden, and as strong as that.
+fn noise_strength(hidden: &Hidden) -> f64 {
+    if let Hidden::Foreign(Foreign::LoadCell, strength) = hidden { *strength } else { 1.0 }
+}
+
 fn rms_between(a: &[f64], b: &[f64]) -> f64 {
     (a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
 }
@@ -270,7 +275,12 @@ fn change(from: &Computed, to: &Computed) -> Vec<f64> {
 
 fn noisy(p: &Made, test: usize, sd: f64, ar1: f64, camera: bool, random: &mut Random) -> Record {
     let mut r = p.case.tests[test].record.clone().unwrap_or_default();
-    let noise = random.ar1(r.len(), sd, ar1);
+    let as_a_load_cell = p.secret.parts.iter().any(|x| Foreign::of(&x.0) == Some(Foreign::LoadCell));
+    let noise = if as_a_load_cell {
+        load_cell(r.len(), sd, random)
+    } else {
+        random.ar1(r.len(), sd, ar1).as_slice().to_vec()
+    };
     r.force = p.full.force[test].iter().zip(noise.iter()).map(|(f, n)| f + n).collect();
     r.grip_displacement =
         camera.then(|| p.full.grip[test].iter().map(|g| Some(g + CAMERA_SD * random.normal())).collect());

@@ -5,7 +5,7 @@
 use crate::GenerateError;
 use crate::files::{self, Truth, VISIBLE};
 use crate::forward::{self, add_effect, never, slots};
-use crate::outside::Outside;
+use crate::outside::{Outside, law_of};
 use analysis::{FeProblem, free_parameters, run_options};
 use input::Case;
 use inverse::{Data, FitOptions, NoiseModel, Problem};
@@ -104,11 +104,7 @@ impl Trial<'_> {
     fn without(&self, left_out: Option<&str>) -> Result<Case, GenerateError> {
         let mut case = self.base.clone();
         for (name, values) in &self.truth.effect_parameters {
-            let law = match outside(name) {
-                Some(o) if o.is_law() => "outside_suture",
-                Some(_) => continue,
-                None => name,
-            };
+            let Some(law) = law_of(name) else { continue };
             if left_out != Some(name.as_str()) {
                 let values: Vec<(&str, f64)> = values.iter().map(|(n, v)| (n.as_str(), *v)).collect();
                 add_effect(&mut case, &self.catalogue, law, &values)?;
@@ -133,7 +129,7 @@ impl Trial<'_> {
             rest = others;
             let mut force = mine.to_vec();
             for (name, values) in &self.truth.effect_parameters {
-                if let (Some(o), Some(record)) = (outside(name).filter(|o| !o.is_law()), &test.record) {
+                if let (Some(o), Some(record)) = (Outside::of(name).filter(|o| !o.is_law()), &test.record) {
                     force = o.falsify(&o.in_order(values), test.kind, record, &force);
                 }
             }
@@ -212,8 +208,4 @@ impl Watch {
         }
         if self.enough.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
-}
-
-fn outside(name: &str) -> Option<Outside> {
-    Outside::ALL.into_iter().find(|o| o.word() == name)
 }

@@ -2,13 +2,14 @@
 //! ([`analysis::FeLadder::weighed`]) loose on them, and reports how often its answer was right.
 //!
 //! The records are computed on other meshes, with other steps and another integration of the interface than the
-//! identification uses, and carry noise. Laws are shared with the product, though: the outside suite of practice
-//! records covers that side. Nothing here feeds back into the product.
+//! identification uses, and carry noise. Laws are shared with the product, though, but for those of [`foreign`]: the outside
+//! suite of practice records covers that side. Nothing here feeds back into the product.
 #![warn(missing_docs)]
 
 pub mod amplitude;
 pub mod draw;
 pub mod files;
+pub mod foreign;
 pub mod forward;
 pub mod generate;
 pub mod imitate;

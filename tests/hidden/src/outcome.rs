@@ -185,7 +185,7 @@ impl Outcome {
 
     /// Whether one effect of the catalogue is hidden, and the record can see it.
     pub fn is_visible_single(&self) -> bool {
-        self.truth.effects.len() == 1 && !self.truth.is_outside() && self.visible()
+        self.truth.effects.len() == 1 && self.truth.is_known() && self.visible()
     }
 
     /// Whether the answer says that the record is not explained, or that it cannot tell.

@@ -3,6 +3,7 @@
 
 use crate::amplitude::{Parameters, Sizes};
 use crate::draw::{about_one, between};
+use crate::foreign::Foreign;
 use effects::decorator::{Call, Decoration, decorate};
 use input::{Record, TestKind};
 use inverse::Random;
@@ -62,6 +63,11 @@ impl Outside {
     /// Whether it is a law of the model rather than a falsified record.
     pub fn is_law(self) -> bool {
         self == Self::Suture
+    }
+
+    /// Of a word of a truth.
+    pub fn of(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|o| o.word() == word)
     }
 
     /// Draws its parameters.
@@ -127,6 +133,15 @@ impl Outside {
             Self::LayerFailure if kind.tears => gives_way(&record.displacement, force, p(0), p(1)),
             _ => force.to_vec(),
         }
+    }
+}
+
+/// Name of the law in the generator's catalogue of what a truth calls `word`; `None` for what falsifies records.
+pub fn law_of(word: &str) -> Option<&str> {
+    match (Outside::of(word), Foreign::of(word)) {
+        (Some(o), _) => o.is_law().then_some(SUTURE.name),
+        (_, Some(f)) => f.law(),
+        _ => Some(word),
     }
 }
 

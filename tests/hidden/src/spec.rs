@@ -1,5 +1,6 @@
 //! The list of cases: what is hidden, how strong, in which protocol. Everything else is drawn from the case's seed.
 
+use crate::foreign::Foreign;
 use crate::outside::Outside;
 use model::Catalogue;
 use serde::{Deserialize, Serialize};
@@ -23,6 +24,8 @@ pub enum Hidden {
     Effects(Vec<(String, f64)>),
     /// Something that no catalogue entry describes.
     Outside(Outside, f64),
+    /// Something whose kind the catalogue holds, by another formula.
+    Foreign(Foreign, f64),
 }
 
 /// One case of the suite.
@@ -46,7 +49,7 @@ pub const STRENGTHS: [f64; 3] = [0.5, 1.0, 2.0];
 /// Records without any effect.
 const NONE: usize = 20;
 
-/// Records per outside effect.
+/// Records per outside effect, and per foreign law.
 const OUTSIDE: usize = 8;
 
 /// Two effects at once, on different causes that a laboratory may well meet together.
@@ -89,8 +92,8 @@ pub fn suite(catalogue: &Catalogue, first_seed: u64) -> Vec<Spec> {
         list.push((protocol, Hidden::Effects(vec![((*a).into(), 1.5), ((*b).into(), 1.5)])));
     }
     let (first, later) = Outside::ALL.split_at(Outside::FIRST);
+    let strength = |i: usize| if i < OUTSIDE / 2 { 1.0 } else { 2.0 };
     let outside = |outside: &Outside| {
-        let strength = |i: usize| if i < OUTSIDE / 2 { 1.0 } else { 2.0 };
         let outside = *outside;
         (0..OUTSIDE).map(move |i| (both[i % 2], Hidden::Outside(outside, strength(i))))
     };
@@ -101,6 +104,9 @@ pub fn suite(catalogue: &Catalogue, first_seed: u64) -> Vec<Spec> {
         list.push((Protocol::Rich, Hidden::Effects(vec![((*a).into(), 2.0), ((*b).into(), 2.0)])));
     }
     list.extend(later.iter().flat_map(outside));
+    for foreign in Foreign::ALL {
+        list.extend((0..OUTSIDE).map(|i| (both[i % 2], Hidden::Foreign(foreign, strength(i)))));
+    }
     list.into_iter()
         .enumerate()
         .map(|(i, (protocol, hidden))| Spec {
@@ -120,6 +126,7 @@ impl Hidden {
             Self::None => Vec::new(),
             Self::Effects(list) => list.iter().map(|e| e.0.clone()).collect(),
             Self::Outside(o, _) => vec![o.word().to_owned()],
+            Self::Foreign(f, _) => vec![f.word().to_owned()],
         }
     }
 }

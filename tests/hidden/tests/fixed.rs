@@ -97,7 +97,7 @@ fn the_suite_is_complete() {
     let catalogue = effects::catalogue();
     let all = hidden_suite::spec::suite(&catalogue, 7_000);
     let effects = hidden_suite::spec::hideable(&catalogue).len();
-    assert_eq!(all.len(), effects * 6 + 20 + 15 + 40 + 15 + 16);
+    assert_eq!(all.len(), effects * 6 + 20 + 15 + 40 + 15 + 16 + 32);
     for effect in hidden_suite::spec::hideable(&catalogue) {
         let hides = |s: &&Spec| matches!(&s.hidden, Hidden::Effects(l) if l.len() == 1 && l[0].0 == effect);
         assert_eq!(all.iter().filter(hides).count(), 6, "{effect}");

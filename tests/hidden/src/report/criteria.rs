@@ -82,7 +82,7 @@ fn rows(outcomes: &[Outcome]) -> Vec<Row> {
 /// What was named.
 fn names(outcomes: &[Outcome]) -> Vec<Row> {
     let seen = visible_singles(outcomes);
-    let known: Vec<&Outcome> = outcomes.iter().filter(|o| !o.truth.is_outside()).collect();
+    let known: Vec<&Outcome> = outcomes.iter().filter(|o| o.truth.is_known()).collect();
     let wrong = known.iter().filter(|o| matches!(o.grade(), Grade::Wrong | Grade::Extra)).count();
     let none: Vec<&&Outcome> = known.iter().filter(|o| o.truth.effects.is_empty()).collect();
     let alarms = none.iter().filter(|o| !o.found.is_empty()).count();
@@ -102,7 +102,7 @@ fn names(outcomes: &[Outcome]) -> Vec<Row> {
 /// What was stated with 90 % or more.
 fn statements(outcomes: &[Outcome]) -> Vec<Row> {
     let (mut all, mut right) = (0, 0);
-    for o in outcomes.iter().filter(|o| !o.truth.is_outside()) {
+    for o in outcomes.iter().filter(|o| o.truth.is_known()) {
         for effect in scores::said(o) {
             all += 1;
             right += usize::from(o.truth.effects.contains(effect));

@@ -10,6 +10,9 @@ fn missed(o: &Outcome) -> bool {
     if t.is_outside() {
         return o.visible() && !o.is_honest();
     }
+    if t.foreign().is_some() {
+        return super::foreign::names_another(o);
+    }
     match o.grade() {
         Grade::Right => false,
         Grade::Abstained | Grade::Part => o.visible(),
@@ -22,7 +25,8 @@ fn missed(o: &Outcome) -> bool {
 pub fn section(outcomes: &[Outcome]) -> String {
     let mut text = String::from(
         "## Misses\n\nVisible effects that were not named, alone or in their group, or only one of a pair; names that are \
-         not true, visible or not; visible outside effects that were answered neither `unexplained` nor `ambiguous`.\n\n",
+         not true, visible or not; visible outside effects that were answered neither `unexplained` nor `ambiguous`; \
+         foreign laws with the name of another kind.\n\n",
     );
     let list: Vec<&Outcome> = outcomes.iter().filter(|o| missed(o)).collect();
     for o in &list {

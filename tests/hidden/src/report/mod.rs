@@ -2,6 +2,7 @@
 
 mod beside;
 mod criteria;
+mod foreign;
 mod left_out;
 mod matrix;
 mod misses;
@@ -42,6 +43,7 @@ pub fn page(outcomes: &[Outcome], study: &Study, beside: Option<&Beside>) -> Str
     text.push_str(&scores::section(outcomes, beside));
     text.push_str(&matrix::section(outcomes));
     text.push_str(&tables::section(outcomes));
+    text.push_str(&foreign::section(outcomes));
     text.push_str(&left_out::section(&study.left_out));
     text.push_str(&misses::section(outcomes));
     text.push_str(BESIDES);
@@ -118,7 +120,7 @@ pub(crate) fn share(part: usize, whole: usize) -> String {
 
 /// Cases with one effect of the catalogue.
 pub(crate) fn singles(outcomes: &[Outcome]) -> Vec<&Outcome> {
-    outcomes.iter().filter(|o| o.truth.effects.len() == 1 && !o.truth.is_outside()).collect()
+    outcomes.iter().filter(|o| o.truth.effects.len() == 1 && o.truth.is_known()).collect()
 }
 
 /// Those of them that the record can see.

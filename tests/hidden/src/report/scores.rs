@@ -24,7 +24,7 @@ impl Statements {
     /// Of every case the probability of every effect, as `by` has it.
     fn of(outcomes: &[Outcome], by: impl Fn(&Outcome, &Stated) -> Stated) -> Self {
         let mut all = Self { stated: Vec::new(), so: Vec::new() };
-        for o in outcomes.iter().filter(|o| !o.truth.is_outside()) {
+        for o in outcomes.iter().filter(|o| o.truth.is_known()) {
             let Some(s) = &o.stated else { continue };
             for (effect, probability) in by(o, s).effects {
                 all.stated.push(probability);

@@ -85,3 +85,31 @@ fn list(outcomes: &[Outcome], title: &str, which: impl Fn(&Outcome) -> bool) -> 
     text.push('\n');
     text
 }
+
+/// One line per case with one thing hidden, with what is stated.
+pub fn stated<'a>(outcomes: impl IntoIterator<Item = &'a Outcome>) -> String {
+    let mut text = String::from(
+        "| case | protocol | hidden (strength; signal) | verdict | named | most probable | something else | rest |\n\
+         |---|---|---|---|---|---|---|---|\n",
+    );
+    for o in outcomes {
+        let (t, effect) = (&o.truth, &o.truth.effects[0]);
+        let first = o.stated.iter().flat_map(|s| &s.effects).max_by(|a, b| a.1.total_cmp(b.1));
+        let percent = |p: Option<f64>| p.map_or("–".into(), |p| format!("{:.0} %", 100.0 * p));
+        let _ = writeln!(
+            text,
+            "| {} | {:?} | {effect} ({}; {:.0}) | {} | {} | {} | {} | {} |",
+            t.name,
+            t.protocol,
+            t.strengths[0],
+            o.signal(effect),
+            if o.verdict.is_empty() { "–" } else { &o.verdict },
+            names(&o.groups),
+            first.map_or("–".into(), |(e, p)| format!("{e} {:.0} %", 100.0 * p)),
+            percent(o.stated.as_ref().map(|s| s.something_else)),
+            o.stated.as_ref().map_or("–".into(), |s| format!("{:.1} %", 100.0 * s.rest)),
+        );
+    }
+    text.push('\n');
+    text
+}

@@ -65,3 +65,32 @@ fn names_of_another_program_are_scored_as_shares() {
     let first = row("| visible effect, or its stated group, first |");
     assert!(first.ends_with("| 0 of 2 (0 %) | **no** | 1 of 1 (100 %) |"), "{first}");
 }
+
+/// A law of other people is answered right by its kind, and its names are no statements about the catalogue.
+#[test]
+fn a_foreign_law_asks_for_its_kind() {
+    let of = |name: &str, word: &str, groups: &[&str]| {
+        let mut v = answer(name, 0.97, groups);
+        v["groups"] = if groups.is_empty() { json!([]) } else { json!([groups]) };
+        v["truth"]["effects"] = json!([word]);
+        v["truth"]["each_over_noise"] = json!({ word: if word.ends_with("noise") { 0.0 } else { 28.0 } });
+        outcome(&v)
+    };
+    let all = [
+        of("case-001", "foreign:energy_norm_damage", &["mullins"]),
+        of("case-002", "foreign:energy_norm_damage", &["lag"]),
+        of("case-003", "foreign:load_cell_noise", &[]),
+        of("case-004", "foreign:load_cell_noise", &["lag"]),
+    ];
+    let text = page(&all, &study(Vec::new()), None).replace('\n', " ");
+    assert!(text.contains("kind was named first: 1 of 2 (50 %)"), "{text}");
+    assert!(
+        text.contains("given no name: 1 of 2 (50 %)") && text.contains("of all: 2 of 4 (50 %)"),
+        "{text}"
+    );
+    assert!(!text.contains("## Stated probabilities"), "{text}");
+    assert!(
+        text.contains("| of effects stated with 90 % or more, true | ≥ 90 % | none to count |"),
+        "{text}"
+    );
+}
