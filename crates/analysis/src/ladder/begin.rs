@@ -197,3 +197,57 @@ fn off_bounds(of: &Fitted, model: &Model, theta: &mut [f64]) -> bool {
     }
     any
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fmt::Write as _;
+
+    /// A tear whose unloading follows a curve of its own: no base model explains it.
+    fn unexplained(folder: &std::path::Path) -> Case {
+        let mut rows = String::from("time_s,displacement_mm,force_N\n");
+        for k in 0..60 {
+            let t = f64::from(k);
+            let u = if k < 20 || k >= 30 {
+                0.02 * (t - if k < 20 { 0.0 } else { 20.0 })
+            } else {
+                0.02 * (40.0 - t)
+            };
+            let force = 0.5 * u * (-u).exp() * if (20..30).contains(&k) { 0.3 } else { 1.0 };
+            let _ = writeln!(rows, "{t},{u},{force}");
+        }
+        let text = "name = \"loop\"\n[geometry]\nlength_mm = 4.0\nwidth_mm = 3.0\nthickness_mm = 0.8\ncut_mm = 1.0\n\
+                    [[tests]]\nkind = \"tearing\"\ndata = \"tearing.csv\"\nforce_sd_N = 0.002\n[mesh]\ndivisions = [4, 4, 1]\n\
+                    [bulk]\nmu_kPa = 6.0\nk2 = 8.0\ngamma_deg = 42.0\nkappa = 0.2\n";
+        std::fs::write(folder.join("tearing.csv"), rows).expect("a record");
+        std::fs::write(folder.join("c.toml"), text).expect("a config");
+        input::read_case(&folder.join("c.toml"), &effects::catalogue()).unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    /// What misses the records by far, wherever it stood, goes to where `identify` of its model ends on the file's mesh.
+    #[test]
+    fn what_misses_by_far_is_taken_to_where_identify_ends() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let catalogue = effects::catalogue();
+        let how = crate::LadderSettings {
+            catalogue: &catalogue,
+            policy: diagnose::Policy::default(),
+            progress: &|_| (),
+            cancelled: &|| false,
+            journal: &crate::NoJournal,
+        };
+        let mut ladder = FeLadder::weighing(Arc::new(unexplained(folder.path())), how).expect("a base fit");
+        let identified = ladder.shown(&[]).expect("a base model").fit.f;
+        let mut astray = ladder.fitted_models.remove(&Vec::new()).expect("a base fit");
+        astray.fit.f = f64::INFINITY;
+        // What the file's mesh would say is so wrong that no fit on the search's mesh comes near.
+        astray.correction.shift.add_scalar_mut(1.0);
+        let found = ladder.restart_as_identified(astray);
+        println!(
+            "χ² {} ({} a point), identify {}",
+            found.fit.f, found.quality.reduced_chi2_total, identified
+        );
+        assert!(found.quality.reduced_chi2_total > FAR && found.settled);
+        assert!(found.fit.f <= 1.001 * identified, "{} for {}", found.fit.f, identified);
+    }
+}
