@@ -70,13 +70,20 @@ impl From<Posterior> for PosteriorAnswer {
 impl Probable {
     /// The leading answers and what is left, as one line.
     pub fn sentence(&self) -> String {
-        format!("{} {}", crate::told::listed(&self.posterior), self.left.sentence())
+        let leads = self.posterior.sets.first().is_some_and(|s| !s.effects.is_empty());
+        let whose = if leads { "the leading set" } else { "the base model" };
+        format!("{} {}", crate::told::listed(&self.posterior), self.left.by(whose))
     }
 }
 
 impl Left {
     /// What is left, as one sentence.
     pub fn sentence(&self) -> String {
+        self.by("the model")
+    }
+
+    /// The same, with what leaves it.
+    fn by(&self, whose: &str) -> String {
         let share = &self.rest.all;
         let [low, high] = share.interval_95.map(|x| 100.0 * x);
         let most = self.rest.tests.iter().max_by(|a, b| a.1.share_of_peak.total_cmp(&b.1.share_of_peak));
@@ -87,7 +94,7 @@ impl Left {
             _ => String::new(),
         };
         format!(
-            "What the model leaves beyond noise: {:.1} % of the peak force ({low:.1} to {high:.1}){place}.",
+            "What {whose} leaves beyond noise: {:.1} % of the peak force ({low:.1} to {high:.1}){place}.",
             100.0 * share.share_of_peak
         )
     }

@@ -208,12 +208,9 @@ mod tests {
         let mut rows = String::from("time_s,displacement_mm,force_N\n");
         for k in 0..60 {
             let t = f64::from(k);
-            let u = if k < 20 || k >= 30 {
-                0.02 * (t - if k < 20 { 0.0 } else { 20.0 })
-            } else {
-                0.02 * (40.0 - t)
-            };
-            let force = 0.5 * u * (-u).exp() * if (20..30).contains(&k) { 0.3 } else { 1.0 };
+            let back = (20..30).contains(&k);
+            let u = 0.02 * if back { 40.0 - t } else { t - if k < 20 { 0.0 } else { 20.0 } };
+            let force = 0.5 * u * (-u).exp() * if back { 0.3 } else { 1.0 };
             let _ = writeln!(rows, "{t},{u},{force}");
         }
         let text = "name = \"loop\"\n[geometry]\nlength_mm = 4.0\nwidth_mm = 3.0\nthickness_mm = 0.8\ncut_mm = 1.0\n\
