@@ -138,6 +138,9 @@ impl Outcome {
         if self.verdict.is_empty() {
             return Grade::None;
         }
+        if let Some(foreign) = self.truth.foreign() {
+            return self.grade_of_kinds(foreign.accepted());
+        }
         if self.found.is_empty() {
             return if hidden.is_empty() { Grade::Right } else { Grade::Abstained };
         }
@@ -149,6 +152,18 @@ impl Outcome {
             (n, _) if n == hidden.len() => Grade::Extra,
             (_, 0) => Grade::Part,
             _ => Grade::Wrong,
+        }
+    }
+
+    /// The grade of an answer to a law of other people: its kind is one of these names, or there is none to name.
+    fn grade_of_kinds(&self, accepted: &[&str]) -> Grade {
+        let kind = |g: &&Vec<String>| g.iter().any(|e| accepted.contains(&e.as_str()));
+        match (self.groups.len(), self.groups.iter().filter(kind).count()) {
+            (0, _) if accepted.is_empty() => Grade::Right,
+            (0, _) => Grade::Abstained,
+            (all, of_it) if of_it == all => Grade::Right,
+            (_, 0) => Grade::Wrong,
+            _ => Grade::Extra,
         }
     }
 

@@ -83,7 +83,7 @@ fn a_foreign_law_asks_for_its_kind() {
         of("case-004", "foreign:load_cell_noise", &["lag"]),
     ];
     let text = page(&all, &study(Vec::new()), None).replace('\n', " ");
-    assert!(text.contains("kind was named first: 1 of 2 (50 %)"), "{text}");
+    assert!(text.contains("kind was named, and nothing else: 1 of 2 (50 %)"), "{text}");
     assert!(
         text.contains("given no name: 1 of 2 (50 %)") && text.contains("of all: 2 of 4 (50 %)"),
         "{text}"
