@@ -56,7 +56,7 @@ practice:
 hidden:
     cargo run --release -p hidden-suite -- all
 
-# The sample of it that docs/hidden.md has: every seventh case of fresh seeds. Three hours; resumes.
+# Every seventh case of fresh seeds: most of what docs/hidden.md has. Three hours; resumes.
 hidden-sample:
     cargo run --release -p hidden-suite -- all --seed 84000 --every 7 --limit-s 5000 --dir runs/hidden-84000
 

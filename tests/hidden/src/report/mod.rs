@@ -88,6 +88,9 @@ fn state(outcomes: &[Outcome], study: &Study, beside: Option<&Beside>) -> String
         let _ = write!(text, ". A diagnosis took {m:.0} s (median; {most:.0} s at most) on one thread");
     }
     text.push_str(".\n\n");
+    if outcomes.len() < study.planned {
+        let _ = write!(text, "These are the cases {}; the others were not asked.\n\n", numbers(outcomes));
+    }
     if let Some(b) = beside {
         let seconds: Vec<f64> = b.outcomes.iter().map(|o| o.seconds).collect();
         let _ = write!(
@@ -100,6 +103,12 @@ fn state(outcomes: &[Outcome], study: &Study, beside: Option<&Beside>) -> String
         );
     }
     text
+}
+
+/// Numbers of cases.
+fn numbers(outcomes: &[Outcome]) -> String {
+    let number = |o: &Outcome| o.truth.name.trim_start_matches("case-").trim_start_matches('0').to_owned();
+    outcomes.iter().map(number).collect::<Vec<_>>().join(", ")
 }
 
 /// Median; `None` of nothing.

@@ -42,7 +42,10 @@ fn a_name_in_place_of_the_effect_that_was_left_out_is_counted() {
     assert!(text.contains("Another effect was stated with 95 % or more in 1 of 2 (50 %)"), "{text}");
     let row = "| case-002 | Paper | backlash (1; 28) | explained | lag | lag 94 % | 20 % | 1.3 % |";
     assert!(text.contains(row), "{text}");
-    assert!(!page(&all, &study(Vec::new()), None).contains("left out"));
+    let whole = page(&all, &study(Vec::new()), None);
+    assert!(!whole.contains("left out") && !whole.contains("These are the cases"));
+    let part = page(&all, &Study { planned: 9, ..study(Vec::new()) }, None);
+    assert!(part.contains("These are the cases 1; the others were not asked."), "{part}");
 }
 
 /// Another program's names become probabilities: 95 % in even shares of a group, the rest in even shares.
