@@ -1,6 +1,7 @@
 //! A small fixed part of the study: none, a bulk effect, a rig or sensor effect, by the same generator and runner,
 //! on coarser records.
 
+use hidden_suite::foreign::Foreign;
 use hidden_suite::forward::Fineness;
 use hidden_suite::generate::generate;
 use hidden_suite::imitate;
@@ -89,6 +90,30 @@ fn cases_follow_from_their_seed() {
             .map(|f| std::fs::read_to_string(folder.join(f)).expect("written"))
     };
     assert_eq!(read("one"), read("two"));
+}
+
+/// Each law of other people is felt by the strip, and the load cell's noise changes nothing but the noise.
+#[test]
+fn laws_of_other_people_are_felt() {
+    let root = tempfile::tempdir().expect("a folder");
+    for (k, foreign) in Foreign::ALL.into_iter().enumerate() {
+        let hidden = Hidden::Foreign(foreign, 2.0);
+        let name = format!("foreign-{k}");
+        let spec = Spec { name, seed: 40 + k as u64, protocol: Protocol::Paper, hidden, correlated: false };
+        let truth = generate(&spec, &Fineness::QUICK, &root.path().join(&spec.name)).expect("made");
+        println!("{:?}: {:?} over the noise", truth.effects, truth.effect_rms_over_noise);
+        let felt = |test: &str| truth.effect_rms_over_noise[test];
+        assert_eq!(truth.effects, [foreign.word()]);
+        assert!(truth.foreign() == Some(foreign) && !truth.is_known() && !truth.is_outside());
+        // The intact strip has no tear that could soften.
+        let expected = match foreign {
+            Foreign::LoadCell => [false, false],
+            Foreign::Cosine => [false, true],
+            Foreign::PowerLaw | Foreign::EnergyNorm => [true, true],
+        };
+        assert_eq!([felt("uniaxial") > 0.5, felt("tearing") > 0.5], expected, "{}", foreign.word());
+        assert!(foreign != Foreign::LoadCell || felt("tearing") == 0.0);
+    }
 }
 
 /// The suite is as large as it must be, and its folders' names say nothing.
