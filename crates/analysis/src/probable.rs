@@ -70,9 +70,13 @@ impl From<Posterior> for PosteriorAnswer {
 impl Probable {
     /// The leading answers and what is left, as one line.
     pub fn sentence(&self) -> String {
+        format!("{} {}", crate::told::listed(&self.posterior), self.what_is_left())
+    }
+
+    /// What is left, as one sentence, with what leaves it: the page may show another model.
+    pub(crate) fn what_is_left(&self) -> String {
         let leads = self.posterior.sets.first().is_some_and(|s| !s.effects.is_empty());
-        let whose = if leads { "the leading set" } else { "the base model" };
-        format!("{} {}", crate::told::listed(&self.posterior), self.left.by(whose))
+        self.left.by(if leads { "the leading set" } else { "the base model" })
     }
 }
 

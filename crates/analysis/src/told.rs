@@ -24,7 +24,7 @@ pub(crate) fn probabilities(probable: &Probable) -> Vec<String> {
     let p = &probable.posterior;
     let mut out = vec![listed(p)];
     out.extend(sensitivity(p));
-    out.push(probable.left.sentence());
+    out.push(probable.what_is_left());
     out
 }
 
