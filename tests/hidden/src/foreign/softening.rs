@@ -26,8 +26,8 @@ fn openings<S: Scalar>(params: &[S]) -> (S, S) {
 
 impl Curve for Mixed {
     fn shape(&self) -> Vec<ParamSpec> {
-        let name = "foreign_softening.share";
-        vec![ParamSpec::new(name, "w", Quantity::Dimensionless, (0.0, 1.0), 0.4, ABOUT).neutral(0.0)]
+        let named = |p: ParamSpec| ParamSpec { name: format!("foreign_softening.{}", p.name).into(), ..p };
+        parameters().into_iter().map(named).collect()
     }
 
     fn secant<S: Scalar>(&self, delta: S, params: &[S]) -> S {
