@@ -19,10 +19,10 @@ use nalgebra::DVector;
 use std::ops::ControlFlow;
 
 /// One evaluated point of the search.
-struct State {
-    z: DVector<f64>,
-    theta: Vec<f64>,
-    f: f64,
+pub(crate) struct State {
+    pub z: DVector<f64>,
+    pub theta: Vec<f64>,
+    pub f: f64,
     prediction: Prediction,
     system: Option<System>,
 }
@@ -44,16 +44,16 @@ impl System {
     }
 }
 
-enum Failure {
+pub(crate) enum Failure {
     Model(PredictError),
     Fatal(FitError),
 }
 
-struct Search<'a> {
+pub(crate) struct Search<'a> {
     problem: &'a dyn Problem,
-    data: &'a Data,
-    free: &'a [Free],
-    options: &'a FitOptions,
+    pub data: &'a Data,
+    pub free: &'a [Free],
+    pub options: &'a FitOptions,
     objective_map: Whitener,
     runs: usize,
     history: Vec<Iterate>,
@@ -133,9 +133,25 @@ impl Search<'_> {
             }
             let next = match self.advance(&state, iteration, &mut control, last.as_ref(), observer)? {
                 Advance::To(next) => *next,
+                Advance::Stop(None, StopReason::NoDescent) if !self.settled(&state) => {
+                    match self.look_around(&state, iteration, observer)? {
+                        Advance::To(next) => {
+                            (control, curvature) = (
+                                StepControl::new(self.options.initial_damping),
+                                Curvature::none(self.free.len()),
+                            );
+                            (last, small, idle) = (None, 0, 0);
+                            state = *next;
+                            continue;
+                        }
+                        Advance::Stop(best, reason) => {
+                            let taken = iteration - usize::from(best.is_none());
+                            return Ok(self.finish(best.map_or(state, |b| *b), taken, reason));
+                        }
+                    }
+                }
                 Advance::Stop(best, reason) => {
-                    let settled = reason == StopReason::NoDescent
-                        && self.predicted_reduction(&state) < 10.0 * self.options.tolerance;
+                    let settled = reason == StopReason::NoDescent && self.settled(&state);
                     let reason = if settled { StopReason::Stationary } else { reason };
                     let taken = iteration - usize::from(best.is_none());
                     return Ok(self.finish(best.map_or(state, |b| *b), taken, reason));
@@ -168,6 +184,11 @@ impl Search<'_> {
         let n = self.options.max_iterations;
         let reason = if state.f <= zero { StopReason::Exact } else { StopReason::MaxIterations };
         Ok(self.finish(state, n, reason))
+    }
+
+    /// Whether no step predicts a reduction that counts.
+    fn settled(&self, state: &State) -> bool {
+        self.predicted_reduction(state) < 10.0 * self.options.tolerance
     }
 
     /// Predicted relative reduction of an almost undamped step.
@@ -257,7 +278,7 @@ impl Search<'_> {
         }
     }
 
-    fn physical(&self, z: &DVector<f64>) -> Vec<f64> {
+    pub(crate) fn physical(&self, z: &DVector<f64>) -> Vec<f64> {
         self.free.iter().zip(z.iter()).map(|(f, &z)| f.backward(z)).collect()
     }
 
@@ -275,7 +296,7 @@ impl Search<'_> {
         StepBox { lower, upper }
     }
 
-    fn evaluate(&mut self, z: DVector<f64>, jacobian: bool) -> Result<State, Failure> {
+    pub(crate) fn evaluate(&mut self, z: DVector<f64>, jacobian: bool) -> Result<State, Failure> {
         self.evaluate_at(self.physical(&z), z, jacobian)
     }
 
@@ -308,7 +329,7 @@ impl Search<'_> {
         Ok(State { z, theta, f, prediction, system })
     }
 
-    fn record(
+    pub(crate) fn record(
         &mut self,
         iteration: usize,
         state: Result<&State, Vec<f64>>,
@@ -342,7 +363,7 @@ impl Search<'_> {
     }
 }
 
-enum Advance {
+pub(crate) enum Advance {
     To(Box<State>),
     Stop(Option<Box<State>>, StopReason),
 }

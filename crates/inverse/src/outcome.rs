@@ -1,5 +1,6 @@
 //! How a fit is asked for, and what comes back.
 
+use crate::poll::Poll;
 use crate::whiten::Noise;
 use crate::{Data, DataError, PredictError, Prediction};
 use serde::{Deserialize, Serialize};
@@ -49,6 +50,8 @@ pub struct FitOptions {
     /// Ask for the jacobian with each trial (cheap when sensitivities cost little beside the run);
     /// otherwise a second run follows each accepted trial.
     pub jacobian_with_trial: bool,
+    /// Where no step lowers f although its derivative says so: whether, and along what, to look around.
+    pub poll: Option<Poll>,
 }
 
 impl Default for FitOptions {
@@ -62,6 +65,7 @@ impl Default for FitOptions {
             initial_damping: 1e-3,
             max_step: 1.5,
             jacobian_with_trial: true,
+            poll: None,
         }
     }
 }

@@ -4,11 +4,13 @@
 mod finish;
 mod intervals;
 mod nearby;
+mod poll;
 mod rest;
 mod search;
 mod tear_misfit;
 mod work;
 
+pub(crate) use poll::{FAR, poll};
 pub(crate) use search::{StagePlan, stages};
 pub use work::free_parameters;
 pub(crate) use work::{SEARCH_TOLERANCE, TRIAL_BUDGET, Work, fewer_steps, runs_as_long};

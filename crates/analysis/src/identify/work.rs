@@ -205,6 +205,7 @@ impl<'a> Work<'a> {
             // tear jump, and a jump tells the search nothing.
             initial_damping: if stage == Stage::Bulk { 1e-3 } else { 3e-2 },
             max_step: if stage == Stage::Bulk { 1.5 } else { 0.5 },
+            poll: Some(super::poll(&list)),
             ..FitOptions::default()
         };
         let options = if self.all_steps { self.options } else { self.search };
@@ -216,6 +217,7 @@ impl<'a> Work<'a> {
             insignificant: near.insignificant,
             max_iterations: near.steps,
             max_trials: COARSE_TRIALS,
+            poll: None,
             ..fit_options.clone()
         };
         let ratio = cheap.map_or(1.0, |m| runs_as_long(model, &options, m, &self.search));

@@ -1,11 +1,10 @@
 //! Where the fit of a rung begins: at the screen's estimate, nearer to the base, off the base's bounds, from where the
 //! base's fit began.
 
-use super::fit::FAR;
 use super::{FeLadder, Fitted};
 use crate::columns::{case_with, transfer};
 use crate::correction::Correction;
-use crate::identify::AnalysisError;
+use crate::identify::{AnalysisError, FAR};
 use crate::problem::FeProblem;
 use input::Case;
 use inverse::{Noise, Problem as _, Whitener};

@@ -5,12 +5,11 @@
 //! (`inverse::fit_mapped`).
 
 use super::decided::Probabilities;
-use super::fit::FAR;
 use super::laws::other_laws;
 use super::leading::leading;
 use super::{FeLadder, Fitted, named};
 use crate::cost::Phase;
-use crate::identify::AnalysisError;
+use crate::identify::{AnalysisError, FAR};
 use crate::probable::{Probable, probable_with_models};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -28,7 +27,7 @@ impl FeLadder<'_> {
     /// [`AnalysisError`].
     pub(super) fn weigh_catalogue(&mut self) -> Result<Probabilities, AnalysisError> {
         self.columns_at(&[])?;
-        let mut done = Done { singles: Singles::Likely, twice: BTreeSet::new() };
+        let mut done = Done { singles: Singles::Likely, twice: BTreeSet::new(), formed: BTreeSet::new() };
         loop {
             let (found, posterior, models) = self.posterior()?;
             if self.interrupted() {
@@ -40,7 +39,7 @@ impl FeLadder<'_> {
             let moved = self.fit_likely(&mut done, &now)?
                 || self.begin_leaders_again(&mut done, &now)
                 || self.fit_others(&mut done, &now)?
-                || self.settle_leaders(&now)?
+                || self.settle_leaders(&mut done, &now)?
                 || self.screen_leaders(&now)?
                 || self.grow(&now)?;
             if !moved {
@@ -84,10 +83,14 @@ impl FeLadder<'_> {
         Ok(true)
     }
 
-    fn settle_leaders(&mut self, now: &Now) -> Result<bool, AnalysisError> {
-        let unsettled = self.unsettled(now);
-        self.settle_sets(&unsettled)?;
-        Ok(!unsettled.is_empty())
+    /// The leading sets in their best form, on the file's mesh.
+    fn settle_leaders(&mut self, done: &mut Done, now: &Now) -> Result<bool, AnalysisError> {
+        let open: Vec<Vec<String>> = (self.fitted(now).into_iter())
+            .filter(|s| !self.fitted_models[s].settled || !done.formed.contains(s))
+            .collect();
+        self.settle_sets(&open)?;
+        done.formed.extend(open.iter().cloned());
+        Ok(!open.is_empty())
     }
 
     fn screen_leaders(&mut self, now: &Now) -> Result<bool, AnalysisError> {
@@ -232,6 +235,8 @@ struct Done {
     singles: Singles,
     /// Sets that began a second time, from the record.
     twice: BTreeSet<Vec<String>>,
+    /// Sets whose effects were tried in other forms.
+    formed: BTreeSet<Vec<String>>,
 }
 
 /// Which sets of one effect are to be fitted next.

@@ -33,9 +33,6 @@ const INSIGNIFICANT: f64 = 0.25;
 /// the fits of a search begin where one trial in two is the bent one, so fewer hardly damp them.
 const TRIALS: usize = 10;
 
-/// Reduced χ² beyond which a base model may be bent beyond recognition by what it lacks.
-pub(super) const FAR: f64 = 3.0;
-
 impl FeLadder<'_> {
     /// Values that a search from the record alone would begin with: no fit has bent them.
     pub(super) fn unbent(&self) -> Result<Vec<f64>, AnalysisError> {
@@ -107,6 +104,7 @@ impl FeLadder<'_> {
                 // A rejected trial needs none, and derivatives cost as much as a run.
                 jacobian_with_trial: false,
                 max_step: 0.7,
+                poll: Some(crate::identify::poll(&list)),
             };
             let progress = self.progress;
             let names = super::named(&self.parts_of(&model));

@@ -47,12 +47,16 @@ impl FeLadder<'_> {
         })
     }
 
-    /// Fits sets on the file's mesh, side by side. Where that mesh gives no answer a fit stays as it is.
+    /// Fits sets on the file's mesh, side by side, in the form that their effects do best in. Where that mesh gives no answer a
+    /// fit stays as it is; so does one that stands there already, in no better form.
     pub(super) fn settle_sets(&mut self, sets: &[Vec<String>]) -> Result<(), AnalysisError> {
         let this = &*self;
         let one = |set: &Vec<String>| match this.fitted_models.get(set) {
             Some(f) => {
                 let better = this.best_form(f)?;
+                if better.is_none() && f.settled {
+                    return Ok(None);
+                }
                 let f = better.as_ref().unwrap_or(f);
                 match this.settle(this.begun_of(f)?, this.fine_states.as_ref(), ROUNDS)? {
                     None => this.settle_as_identified(f),

@@ -4,6 +4,7 @@ mod asymmetric;
 mod averages;
 mod coverage;
 mod fitting;
+mod jumps;
 mod large_misfit;
 mod line;
 mod mapped;

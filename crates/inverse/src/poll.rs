@@ -1,0 +1,100 @@
+//! A look around where derivatives lead nowhere.
+//!
+//! Where a model jumps (a tear that runs through before its record ends), the points behind the jump have large misfits and
+//! derivatives that say nothing of where it moves to: no step along them lowers f, and the way out is short. There the
+//! objective itself is asked at a few places around, as pattern searches do (Torczon 1997, doi:10.1137/S1052623493250780):
+//! along each group of parameters, both ways, near and farther.
+
+use crate::fit::{Advance, Failure, Search, State};
+use crate::{FitError, Free, Iterate, PredictError, StopReason};
+use nalgebra::DVector;
+use std::ops::ControlFlow;
+
+/// When and along what to look around.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Poll {
+    /// χ² per point above which it is worth the runs: what is left below that may be how well the model can do.
+    pub above: f64,
+    /// Free parameters that move together, by their places in the list of free parameters.
+    pub groups: Vec<Vec<usize>>,
+}
+
+/// How far to look, in natural scales.
+const STEPS: [f64; 2] = [0.04, 0.15];
+
+/// Share of f that a place must not exceed to be worth going on from.
+const ENOUGH: f64 = 0.95;
+
+impl Poll {
+    /// Each parameter alone.
+    pub fn each(above: f64, free: usize) -> Self {
+        Self { above, groups: (0..free).map(|k| vec![k]).collect() }
+    }
+
+    /// The places around a point, in transformed coordinates; those that bounds leave where they are are left out.
+    fn around(&self, free: &[Free], theta: &[f64], z: &DVector<f64>) -> Vec<DVector<f64>> {
+        let mut places = Vec::new();
+        for (group, step) in self.groups.iter().flat_map(|g| STEPS.map(|s| (g, s))) {
+            for signed in [step, -step] {
+                let mut there = z.clone();
+                for &k in group.iter().filter(|k| **k < free.len()) {
+                    let (low, high) = free[k].bounds_z();
+                    there[k] = (z[k] + signed * free[k].natural_scale(theta[k])).clamp(low, high);
+                }
+                if there != *z {
+                    places.push(there);
+                }
+            }
+        }
+        places
+    }
+}
+
+impl Search<'_> {
+    /// The best place around one that no step leads out of, if that is clearly better.
+    pub(crate) fn look_around(
+        &mut self,
+        state: &State,
+        iteration: usize,
+        observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
+    ) -> Result<Advance, FitError> {
+        let points = self.data.points().max(1) as f64;
+        let far = |p: &&Poll| state.f > p.above * self.options.unit(self.data) * points;
+        let Some(poll) = self.options.poll.as_ref().filter(far) else {
+            return Ok(Advance::Stop(None, StopReason::NoDescent));
+        };
+        let (mut enough, mut best) = (ENOUGH * state.f, None);
+        for z in poll.around(self.free, &state.theta, &state.z) {
+            let theta = self.physical(&z);
+            let flow = match self.evaluate(z, false) {
+                Ok(there) => {
+                    let flow = self.record(iteration, Ok(&there), false, 0.0, observer);
+                    if there.f < enough {
+                        (enough, best) = (there.f, Some(there.z));
+                    }
+                    flow
+                }
+                Err(Failure::Fatal(e)) => return Err(e),
+                Err(Failure::Model(PredictError::Interrupted)) => ControlFlow::Break(()),
+                Err(Failure::Model(_)) => self.record(iteration, Err(theta), false, 0.0, observer),
+            };
+            if flow.is_break() {
+                return Ok(Advance::Stop(None, StopReason::Stopped));
+            }
+        }
+        let Some(z) = best else { return Ok(Advance::Stop(None, StopReason::NoDescent)) };
+        match self.evaluate(z, true) {
+            Ok(next) if next.f < state.f => {
+                let flow = self.record(iteration, Ok(&next), true, 0.0, observer);
+                Ok(if flow.is_break() {
+                    Advance::Stop(Some(Box::new(next)), StopReason::Stopped)
+                } else {
+                    Advance::To(Box::new(next))
+                })
+            }
+            Err(Failure::Fatal(e)) => Err(e),
+            Err(Failure::Model(PredictError::Interrupted)) => Ok(Advance::Stop(None, StopReason::Stopped)),
+            _ => Ok(Advance::Stop(None, StopReason::NoDescent)),
+        }
+    }
+}

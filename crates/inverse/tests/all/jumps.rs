@@ -1,0 +1,63 @@
+//! Models that jump: where derivatives lead nowhere a search looks around.
+
+use inverse::{
+    Data, Fit, FitOptions, Free, NoiseModel, Objective, Poll, PredictError, Prediction, Problem, fit,
+};
+use nalgebra::{DMatrix, DVector};
+use params::Transform;
+use std::ops::ControlFlow;
+
+const POINTS: usize = 50;
+const NOISE: f64 = 0.01;
+
+/// A strip that softens, u (1 − 0.3 (u/c)²), and breaks at c: nothing carries beyond.
+struct Breaks;
+
+fn at(i: usize) -> f64 {
+    (i + 1) as f64 / POINTS as f64
+}
+
+impl Problem for Breaks {
+    fn predict(&self, theta: &[f64], _jacobian: bool) -> Result<Prediction, PredictError> {
+        let c = theta[0];
+        let carries = |u: f64, v: f64| if u < c { v } else { 0.0 };
+        let values =
+            DVector::from_fn(POINTS, |i, _| carries(at(i), at(i) * (1.0 - 0.3 * (at(i) / c).powi(2))));
+        let slope = DMatrix::from_fn(POINTS, 1, |i, _| carries(at(i), 0.6 * at(i).powi(3) / c.powi(3)));
+        Ok(Prediction::new(values, Some(slope)))
+    }
+}
+
+/// Fits a record of a strip that holds to its end, but softens as one that breaks before does: from just before its end.
+fn fitted(poll: Option<Poll>, softens: f64) -> Fit {
+    let values = (0..POINTS).map(|i| at(i) * (1.0 - softens * at(i).powi(2))).collect();
+    let data = Data::from_parts([("pull".to_owned(), values, NoiseModel::white(NOISE))]).expect("data");
+    let free = [Free::new("c", (0.1, 10.0), Transform::Log, 0.985)];
+    let options =
+        FitOptions { objective: Objective::Record, insignificant: 0.0, poll, ..FitOptions::default() };
+    fit(&Breaks, &data, &free, &options, &mut |_| ControlFlow::Continue(())).expect("a fit")
+}
+
+#[test]
+fn a_jump_that_no_step_leads_over_is_looked_over() {
+    let stuck = fitted(None, 0.36);
+    assert!(
+        stuck.f > 0.9 * (0.64 / NOISE).powi(2) && stuck.theta[0] < 1.0,
+        "{} at {}",
+        stuck.f,
+        stuck.theta[0]
+    );
+    assert!(!stuck.stop.converged(), "{:?}", stuck.stop);
+    let out = fitted(Some(Poll::each(3.0, 1)), 0.36);
+    assert!(out.f < 0.1 * stuck.f && out.theta[0] > 1.0, "{} at {}", out.f, out.theta[0]);
+    let accepted: Vec<f64> = out.history.iter().filter(|i| i.accepted).filter_map(|i| i.f).collect();
+    assert!(accepted.windows(2).all(|w| w[1] < w[0]), "{accepted:?}");
+}
+
+#[test]
+fn what_is_left_below_the_limit_is_not_looked_over() {
+    let stuck = fitted(None, 0.36);
+    let above = 2.0 * stuck.f / POINTS as f64;
+    let same = fitted(Some(Poll::each(above, 1)), 0.36);
+    assert_eq!((same.theta, same.forward_runs), (stuck.theta, stuck.forward_runs));
+}
