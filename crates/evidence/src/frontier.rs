@@ -85,7 +85,7 @@ pub fn to_fit(posterior: &Posterior, models: &[Judged]) -> Vec<Vec<String>> {
     };
     let wanted = |effects: &[String]| models.iter().any(|m| m.effects == effects && m.gain > 0.0);
     let mut open: Vec<(f64, &Vec<String>)> = posterior
-        .sets
+        .by_evidence
         .iter()
         .filter(|s| !fitted(&s.effects) && wanted(&s.effects))
         .map(|s| (s.probability + s.with_something_else, &s.effects))

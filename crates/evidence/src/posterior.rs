@@ -167,6 +167,8 @@ pub struct Posterior {
     pub sensitivity: BTreeMap<&'static str, Brief>,
     /// Probability of all sets that were not fitted.
     pub unfitted: f64,
+    /// The sets by their evidence alone, no effect asked whether it is but the likeness of an unknown cause: what a search goes by.
+    pub by_evidence: Vec<SetProbability>,
 }
 
 type Key = BTreeSet<String>;
@@ -203,24 +205,33 @@ fn left_by(models: &[Judged]) -> BTreeMap<Key, f64> {
     best.into_iter().filter_map(|(set, m)| Some((set, m.left?))).collect()
 }
 
-fn normalised(models: &[Judged], prior: &SetPrior, way: usize) -> Vec<SetProbability> {
+/// The sets by their evidence.
+fn weighed(models: &[Judged], prior: &SetPrior, way: usize) -> Vec<SetProbability> {
     let ln = joint(models, prior, way, |_| true);
     let sum = ln_sum_exp(ln.values().flatten().copied().collect::<Vec<_>>());
-    let mut sets: Vec<SetProbability> = ln
-        .into_iter()
+    ln.into_iter()
         .map(|(key, [own, other])| SetProbability {
             effects: key.into_iter().collect(),
             probability: (own - sum).exp(),
             with_something_else: (other - sum).exp(),
         })
-        .collect();
-    sets = set_apart(sets, &left_by(models), prior);
+        .collect()
+}
+
+/// The same, each effect asked whether it is but the likeness of an unknown cause.
+fn normalised(models: &[Judged], prior: &SetPrior, way: usize) -> Vec<SetProbability> {
+    let mut sets = set_apart(weighed(models, prior, way), &left_by(models), prior);
     // Differences of large logarithms leave a sum that is 1 but for rounding.
     let all: f64 = sets.iter().map(|s| s.probability + s.with_something_else).sum();
     for s in &mut sets {
         s.probability /= all;
         s.with_something_else /= all;
     }
+    sorted(sets)
+}
+
+/// Most probable first, what needs nothing else before what does.
+fn sorted(mut sets: Vec<SetProbability>) -> Vec<SetProbability> {
     sets.sort_by(|a, b| {
         let total = |s: &SetProbability| s.probability + s.with_something_else;
         b.probability
@@ -264,6 +275,7 @@ impl Posterior {
             something_else: own.something_else,
             sensitivity,
             unfitted,
+            by_evidence: sorted(weighed(models, prior, 0)),
         }
     }
 

@@ -15,19 +15,16 @@ impl FeLadder<'_> {
         let mut best: Option<Fitted> = None;
         for at in 0..f.model.case.effects.len() {
             loop {
-                match self.better_form(best.as_ref().unwrap_or(f), at) {
-                    Ok(Some(better)) => best = Some(better),
-                    Ok(None) => break,
-                    Err(e) if self.cancelled.stops() => return Err(e),
-                    // A form that cannot be fitted is no better one.
-                    Err(_) => break,
+                match self.better_form(best.as_ref().unwrap_or(f), at)? {
+                    Some(better) => best = Some(better),
+                    None => break,
                 }
             }
         }
         Ok(best)
     }
 
-    /// The first other form of one effect that pays, if the record is not explained yet.
+    /// The best of the other forms of one effect, if it pays for its parameters and the record is not explained yet.
     fn better_form(&self, f: &Fitted, at: usize) -> Result<Option<Fitted>, AnalysisError> {
         if self.fitted_model(&f.model.effects(), f).explained(&self.policy) {
             return Ok(None);
@@ -37,26 +34,47 @@ impl FeLadder<'_> {
         let path = |s: &params::ParamSpec| format!("effects.{}.{}", config.name, s.name);
         let values: Vec<f64> =
             config.specs.iter().filter_map(|s| f.model.find(&path(s)).map(|i| f.theta[i])).collect();
+        let (mut enough, mut best) = (f.quality.bic - self.policy.add_bic, None);
         for (settings, values) in effect.richer(&config.options, &values) {
             if !self.catalogue.can_act(&**effect, &settings, &f.model.case) {
                 continue;
             }
-            let mut case = (*f.model.case).clone();
-            case.effects[at] = config_with(effect, &settings, &values);
-            let model = Model::new(Arc::new(case), self.catalogue, self.how)?;
-            let mut theta = transfer(&f.model, &f.theta, &model);
-            for (spec, v) in effect.parameters(&settings).iter().zip(&values) {
-                if let Some(i) = model.find(&path(spec)) {
-                    theta[i] = *v;
-                }
-            }
             (self.progress)(&format!("{} in another form: {}", config.name, in_words(&settings)));
-            let fitted = self.fit_model(model, theta, f.correction.clone(), Vec::new())?;
-            if fitted.quality.bic + self.policy.add_bic < f.quality.bic {
-                return Ok(Some(fitted));
+            match self.in_form(f, at, &settings, &values) {
+                Ok(fitted) if fitted.quality.bic < enough => {
+                    enough = fitted.quality.bic;
+                    best = Some(fitted);
+                }
+                Err(e) if self.cancelled.stops() => return Err(e),
+                // A form that cannot be fitted is no better one.
+                Ok(_) | Err(_) => {}
             }
         }
-        Ok(None)
+        Ok(best)
+    }
+
+    /// A fit with one of its effects in another form, from these values of it.
+    fn in_form(
+        &self,
+        f: &Fitted,
+        at: usize,
+        settings: &model::Options,
+        values: &[f64],
+    ) -> Result<Fitted, AnalysisError> {
+        let name = &f.model.case.effects[at].name;
+        let Some(effect) = self.catalogue.get(name) else {
+            return Err(AnalysisError::Case(format!("no effect {name}")));
+        };
+        let mut case = (*f.model.case).clone();
+        case.effects[at] = config_with(effect, settings, values);
+        let model = Model::new(Arc::new(case), self.catalogue, self.how)?;
+        let mut theta = transfer(&f.model, &f.theta, &model);
+        for (spec, v) in effect.parameters(settings).iter().zip(values) {
+            if let Some(i) = model.find(&format!("effects.{name}.{}", spec.name)) {
+                theta[i] = *v;
+            }
+        }
+        self.fit_model(model, theta, f.correction.clone(), Vec::new())
     }
 
     /// Configurations of effects, started from a share of the screen's amplitudes.

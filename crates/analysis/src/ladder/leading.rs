@@ -22,7 +22,7 @@ fn part(a: &SetProbability, of: &SetProbability) -> bool {
 /// Those with a share of the posterior, or of what it says if no cause from outside acts, unless a part of theirs has most of it.
 /// A cause from outside fits whatever is there; before it has the answer, what the catalogue can do is fitted to its end.
 pub(super) fn leading(posterior: &Posterior) -> Vec<Vec<String>> {
-    let sets = &posterior.sets;
+    let sets = &posterior.by_evidence;
     let overtaken = |s: &SetProbability| sets.iter().any(|p| part(p, s) && share(s) < OVERTAKES * share(p));
     let known: f64 = sets.iter().map(|s| s.probability).sum();
     let leads = |s: &SetProbability| share(s) >= LEADS || (known > 0.0 && s.probability >= LEADS * known);
