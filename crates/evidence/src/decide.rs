@@ -120,7 +120,7 @@ mod tests {
 
     fn posterior(sets: &[(&[&str], f64, f64)]) -> Posterior {
         // Priors taken out, so that the numbers are the posterior's.
-        let prior = SetPrior { expected: 0.5, catalogue: 1, beyond: 0.5, factor: 2.0 };
+        let prior = SetPrior { expected: 0.5, catalogue: 1, beyond: 2.0 / 3.0, factor: 2.0 };
         let models: Vec<Judged> = sets
             .iter()
             .map(|(e, own, other)| {

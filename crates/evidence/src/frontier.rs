@@ -68,7 +68,7 @@ impl Evidence {
     ) -> Result<f64, EvidenceError> {
         let few = Self::on(record, linear, rest, kernel, &[0.3, 1.0, rest.else_median])?;
         let [own, other] = few.under(&View { rest, amplitude: 1.0 });
-        Ok(ln_sum_exp([own + (1.0 - prior.beyond).ln(), other + prior.beyond.ln()]))
+        Ok(ln_sum_exp([own + (1.0 - prior.beyond).ln(), other + prior.unlike().ln()]))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Posterior over sets of effects, "nothing", and "something else".
 
-use crate::likeness::set_apart;
+use crate::likeness::{IMITATED, set_apart};
 use crate::model::{Evidence, View};
 use crate::rest::RestPrior;
 use crate::special::ln_sum_exp;
@@ -14,7 +14,8 @@ pub struct SetPrior {
     pub expected: f64,
     /// Number of effects in the catalogue: each acts with probability `expected` / `catalogue`.
     pub catalogue: usize,
-    /// Prior probability that a cause acts which the catalogue does not hold, whatever else does.
+    /// Prior probability that a cause acts which the catalogue does not hold, whatever else does: one that an effect imitates to
+    /// the noise, or one that leaves a rest.
     pub beyond: f64,
     /// Factor that sensitivity takes the scales of amplitudes and of the rest by, and divides them by.
     pub factor: f64,
@@ -24,6 +25,11 @@ impl SetPrior {
     /// 0.7 effects expected of a catalogue; one record in ten shows a cause from outside.
     pub const fn of_catalogue(catalogue: usize) -> Self {
         Self { expected: 0.7, catalogue, beyond: 0.1, factor: 2.0 }
+    }
+
+    /// Prior probability of a cause from outside that no effect imitates to the noise: the record has a rest for it.
+    pub fn unlike(&self) -> f64 {
+        (1.0 - IMITATED) * self.beyond
     }
 
     /// ln prior of one set of `k` effects.
@@ -82,7 +88,7 @@ impl Judged {
             fitted: true,
             gain: 0.0,
             values,
-            noise_alone: evidence.noise_alone(&View { rest, amplitude: 1.0 }, prior.beyond),
+            noise_alone: evidence.noise_alone(&View { rest, amplitude: 1.0 }, prior.unlike()),
             left: None,
         }
     }
@@ -185,7 +191,7 @@ fn joint(
         let key: Key = m.effects.iter().cloned().collect();
         let front = prior.ln_of(key.len()) + m.ln_form;
         let entry = parts.entry(key).or_default();
-        let beyond = [(1.0 - prior.beyond).ln(), prior.beyond.ln()];
+        let beyond = [(1.0 - prior.beyond).ln(), prior.unlike().ln()];
         for k in 0..2 {
             entry[k].push(front + beyond[k] + m.values[way][k]);
         }

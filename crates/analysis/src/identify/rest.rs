@@ -29,7 +29,7 @@ impl Work<'_> {
         let scale = Scale::new(measured, std::iter::once(at), catalogue, &beliefs)?;
         let linear = scale.linear(at)?;
         let evidence = scale.evidence(&linear)?;
-        let (rest, beyond) = (&beliefs.rest, beliefs.sets.beyond);
+        let (rest, beyond) = (&beliefs.rest, beliefs.sets.unlike());
         let remains = evidence::remains(&scale.record, &linear, &evidence, rest, beyond);
         let mut with = measured.clone();
         for column in evidence.rest_columns(&scale.record, rest, beyond) {

@@ -35,7 +35,7 @@ mod tests {
     use evidence::{Judged, SetPrior};
 
     fn leads(sets: &[(&str, f64, f64)]) -> Vec<String> {
-        let prior = SetPrior { expected: 0.5, catalogue: 1, beyond: 0.5, factor: 2.0 };
+        let prior = SetPrior { expected: 0.5, catalogue: 1, beyond: 2.0 / 3.0, factor: 2.0 };
         let names = |s: &str| s.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
         let models: Vec<Judged> = sets
             .iter()

@@ -206,7 +206,7 @@ impl<'a> Scale<'a> {
     pub fn left(&self, linear: &Linear) -> Result<Left, EvidenceError> {
         let evidence = self.evidence(linear)?;
         let Beliefs { rest, sets, practice } = self.beliefs;
-        let rest = evidence::remains(&self.record, linear, &evidence, rest, sets.beyond);
+        let rest = evidence::remains(&self.record, linear, &evidence, rest, sets.unlike());
         Ok(Left { explained_to: rest.explained_to(*practice), rest })
     }
 

@@ -48,7 +48,8 @@ fn draw(random: &mut Random, prior: &SetPrior, rest: &RestPrior) -> Drawn {
             break set;
         }
     };
-    let beyond = random.uniform() < prior.beyond;
+    // Without those that an effect imitates to the noise.
+    let beyond = random.uniform() < prior.unlike() / (1.0 - prior.beyond + prior.unlike());
     let (mut tau, mut upsilon) = (half_normal(random, rest.smooth), half_normal(random, rest.jerk));
     if beyond {
         let size = |scale: f64, z: f64| scale * rest.else_median * (rest.else_spread * z).exp();

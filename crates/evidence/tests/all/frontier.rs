@@ -24,7 +24,7 @@ fn a_few_sizes_follow_the_integral_where_much_is_left() {
             let model = linear(r.clone(), kinds, parameters, PEAK);
             let quick = Evidence::quick(&record, &model, (&rest, &prior), Kernel::Plain).expect("evidence");
             let e = Evidence::of(&record, &model, &rest, Kernel::Plain).expect("evidence");
-            let [own, other] = [e.ln_z + (1.0 - prior.beyond).ln(), e.ln_z_else + prior.beyond.ln()];
+            let [own, other] = [e.ln_z + (1.0 - prior.beyond).ln(), e.ln_z_else + prior.unlike().ln()];
             [quick, evidence::special::ln_sum_exp([own, other])]
         };
         let (without, with) = (both(&[0, 1], base()), both(&[0, 1, 3], with_effect()));
