@@ -84,7 +84,7 @@ impl FeLadder<'_> {
     }
 
     /// The leading sets in their best form, on the file's mesh.
-    fn settle_leaders(&mut self, done: &mut Done, now: &Now) -> Result<bool, AnalysisError> {
+    pub(super) fn settle_leaders(&mut self, done: &mut Done, now: &Now) -> Result<bool, AnalysisError> {
         let open: Vec<Vec<String>> = (self.fitted(now).into_iter())
             .filter(|s| !self.fitted_models[s].settled || !done.formed.contains(s))
             .collect();
@@ -182,7 +182,9 @@ impl FeLadder<'_> {
             .collect()
     }
 
-    fn posterior(&self) -> Result<(Probable, evidence::Posterior, Vec<evidence::Judged>), AnalysisError> {
+    pub(super) fn posterior(
+        &self,
+    ) -> Result<(Probable, evidence::Posterior, Vec<evidence::Judged>), AnalysisError> {
         probable_with_models(self).map_err(|e| AnalysisError::Case(format!("no probabilities: {e}")))
     }
 
@@ -193,7 +195,7 @@ impl FeLadder<'_> {
     }
 
     /// The catalogue's columns at a fitted set.
-    fn columns_at(&mut self, set: &[String]) -> Result<(), AnalysisError> {
+    pub(super) fn columns_at(&mut self, set: &[String]) -> Result<(), AnalysisError> {
         let Some(f) = self.fitted_models.get(set) else { return Ok(()) };
         let fitted_model = self.fitted_model(set, f);
         let screen = self.screen(&fitted_model)?;
@@ -231,16 +233,16 @@ impl FeLadder<'_> {
 }
 
 /// What a search has behind it.
-struct Done {
-    singles: Singles,
+pub(super) struct Done {
+    pub singles: Singles,
     /// Sets that began a second time, from the record.
-    twice: BTreeSet<Vec<String>>,
+    pub twice: BTreeSet<Vec<String>>,
     /// Sets whose effects were tried in other forms.
-    formed: BTreeSet<Vec<String>>,
+    pub formed: BTreeSet<Vec<String>>,
 }
 
 /// Which sets of one effect are to be fitted next.
-enum Singles {
+pub(super) enum Singles {
     /// Those that lead by the base's columns: where they leave noise alone, the others have something to be held against.
     Likely,
     /// The others of these.
@@ -250,12 +252,12 @@ enum Singles {
 }
 
 /// Where a search stands.
-struct Now {
-    found: Probable,
-    posterior: evidence::Posterior,
-    models: Vec<evidence::Judged>,
+pub(super) struct Now {
+    pub found: Probable,
+    pub posterior: evidence::Posterior,
+    pub models: Vec<evidence::Judged>,
     /// Whether noise explains what is left.
-    noise: bool,
+    pub noise: bool,
     /// The sets that an answer may hang on.
-    leads: Vec<Vec<String>>,
+    pub leads: Vec<Vec<String>>,
 }

@@ -132,3 +132,83 @@ fn start_from(h: &Finding, specs: &[params::ParamSpec], values: &mut [f64]) {
             (neutral + size.copysign(if *a == 0.0 { 1.0 } else { *a })).clamp(specs[0].lower, specs[0].upper);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::catalogue::{Done, Now, Singles};
+    use super::*;
+    use std::collections::BTreeSet;
+    use std::fmt::Write as _;
+
+    /// Force of a neo-Hookean strip of 10 mm² whose nominal stress relaxes with two times, pulled by 60 % and back.
+    fn pulled(rate: f64) -> String {
+        let (steps, turn, mu) = (40, 0.6 / rate, 0.02);
+        let branches = [(1.4, 2.0), (0.8, 30.0)];
+        let (mut relaxing, mut last) = ([0.0; 2], 0.0);
+        let mut rows = String::from("time_s,displacement_mm,force_N\n");
+        for k in 0..=2 * steps {
+            let dt = turn / f64::from(steps);
+            let t = dt * f64::from(k);
+            let stretch = 1.0 + rate * t.min(2.0 * turn - t);
+            let elastic = stretch - stretch.powi(-2);
+            for (q, (g, tau)) in relaxing.iter_mut().zip(branches).filter(|_| k > 0) {
+                let kept = (-dt / tau).exp();
+                *q = kept * *q + g * (elastic - last) * (1.0 - kept) * tau / dt;
+            }
+            last = elastic;
+            let force = 10.0 * mu * (elastic + relaxing.iter().sum::<f64>());
+            let _ = writeln!(rows, "{t},{},{force}", 20.0 * (stretch - 1.0));
+        }
+        rows
+    }
+
+    fn relaxing(folder: &std::path::Path) -> input::Case {
+        let test = |name: &str, rate: f64| {
+            std::fs::write(folder.join(format!("{name}.csv")), pulled(rate)).expect("a record");
+            format!(
+                "[[tests]]\nname = \"{name}\"\nkind = \"uniaxial\"\ndata = \"{name}.csv\"\nforce_sd_N = 2e-4\n"
+            )
+        };
+        let text = format!(
+            "name = \"relaxes\"\n[geometry]\nlength_mm = 20.0\nwidth_mm = 10.0\nthickness_mm = 1.0\ncut_mm = 0.0\n\
+             {}{}[mesh]\ndivisions = [2, 2, 1]\n[bulk]\nmu_kPa = 15.0\nk1_kPa = 5.0\nk2 = 0.01\ngamma_deg = 45.0\n\
+             kappa = 0.3333\n",
+            test("slow", 0.005),
+            test("fast", 0.2)
+        );
+        std::fs::write(folder.join("c.toml"), text).expect("a config");
+        input::read_case(&folder.join("c.toml"), &effects::catalogue()).unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    /// A leading set whose fit stands on the file's mesh already, as where `identify` of its model was better than the search.
+    #[test]
+    fn a_leading_set_is_tried_in_other_forms_wherever_its_fit_ended() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let catalogue = effects::catalogue();
+        let how = crate::LadderSettings {
+            catalogue: &catalogue,
+            policy: diagnose::Policy::default(),
+            progress: &|_| (),
+            cancelled: &|| false,
+            journal: &crate::NoJournal,
+        };
+        let mut ladder = FeLadder::weighing(Arc::new(relaxing(folder.path())), how).expect("a base fit");
+        let set = vec!["viscoelastic".to_owned()];
+        ladder.columns_at(&[]).expect("columns");
+        ladder.fit_sets(std::slice::from_ref(&set)).expect("a fit");
+        ladder.fitted_models.get_mut(&set).expect("a fit").settled = true;
+        let one = ladder.fitted_models[&set].fit.f;
+        let (found, posterior, models) = ladder.posterior().expect("probabilities");
+        let now = Now { found, posterior, models, noise: false, leads: vec![set.clone()] };
+        let mut done = Done { singles: Singles::Fitted, twice: BTreeSet::new(), formed: BTreeSet::new() };
+        assert!(ladder.settle_leaders(&mut done, &now).expect("fits"));
+        let f = &ladder.fitted_models[&set];
+        assert!(
+            f.settled && f.model.find("effects.viscoelastic.tau2").is_some(),
+            "{:?}",
+            f.model.case.effects
+        );
+        assert!(f.fit.f < 0.7 * one, "{} for {one}", f.fit.f);
+        assert!(!ladder.settle_leaders(&mut done, &now).expect("fits"), "once is enough");
+    }
+}
