@@ -46,9 +46,10 @@ fn total(s: &SetProbability) -> f64 {
     s.probability + s.with_something_else
 }
 
-/// The most probable sets that together hold 95 %.
+/// The sets that by their evidence together hold 95 %, most probable first. What an effect loses to an unknown cause that looks like
+/// it goes to the set without it, in which nothing stands in its place.
 fn credible(posterior: &Posterior) -> Vec<&SetProbability> {
-    let mut sets: Vec<&SetProbability> = posterior.sets.iter().collect();
+    let mut sets: Vec<&SetProbability> = posterior.by_evidence.iter().collect();
     sets.sort_by(|a, b| total(b).total_cmp(&total(a)).then(a.effects.cmp(&b.effects)));
     let mut held = 0.0;
     let mut out = Vec::new();
@@ -157,6 +158,25 @@ mod tests {
         assert_eq!(two, (Verdict::Ambiguous, vec![vec!["a".into()], vec!["b".into(), "c".into()]]));
         let other = answer(&[(&["a"], 0.1, 0.8), (&[], 0.0, 0.1)]);
         assert_eq!(other, (Verdict::Unexplained, vec![vec!["a".into()]]));
+    }
+
+    /// `b` is but a second effect beside `a`; that `a` may be the likeness of an unknown cause, with `b` beside it, puts `b` in nobody's
+    /// place.
+    #[test]
+    fn what_an_unknown_cause_may_look_like_joins_no_group() {
+        let prior = SetPrior::of_catalogue(20);
+        let named = |e: &[&str]| e.iter().map(|s| (*s).to_owned()).collect::<Vec<String>>();
+        let judged = |e: &[String], ln_z: f64, left: f64| Judged::from_numbers(e, ln_z, -900.0).leaving(left);
+        let mut models = vec![
+            judged(&[], -900.0, 1.0),
+            judged(&named(&["a"]), 0.0, 0.0),
+            judged(&named(&["b"]), -900.0, 1.0),
+            judged(&named(&["a", "b"]), 2.0, 0.0),
+        ];
+        models.extend((0..14).map(|k| judged(&["a".into(), format!("c{k}")], -0.8, 0.0)));
+        let p = Posterior::of(&models, &prior);
+        assert!(p.sets.iter().any(|s| s.effects == ["b"] && s.with_something_else > 5e-3), "{:?}", p.sets);
+        assert_eq!(decide(&p, ExplainedTo::Noise).groups, [["a"]]);
     }
 
     #[test]
