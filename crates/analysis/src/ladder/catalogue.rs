@@ -5,6 +5,7 @@
 //! (`inverse::fit_mapped`).
 
 use super::decided::Probabilities;
+use super::fit::LITTLE;
 use super::laws::other_laws;
 use super::leading::leading;
 use super::{FeLadder, Fitted, named};
@@ -79,7 +80,7 @@ impl FeLadder<'_> {
         self.leader = now.noise.then(|| self.least());
         self.fit_sets(&sets)?;
         self.leader = None;
-        self.begin_again(&sets)?;
+        self.begin_again(&sets, now)?;
         Ok(true)
     }
 
@@ -131,16 +132,21 @@ impl FeLadder<'_> {
         self.fitted_models.values().map(|f| f.fit.f).fold(f64::INFINITY, f64::min)
     }
 
-    /// Where no effect explains what the base leaves by far, all are fitted once more from the record's own start.
-    fn begin_again(&mut self, sets: &[Vec<String>]) -> Result<(), AnalysisError> {
-        let best =
-            self.fitted_models.values().map(|f| f.quality.reduced_chi2_total).fold(f64::INFINITY, f64::min);
-        if best <= FAR || self.interrupted() {
+    /// Once more from the record's own start: all sets, where no effect explains what the base leaves by far; those that ended clearly
+    /// worse than the base, wherever the base leaves more than noise. At its neutral value an effect is as good as the base.
+    fn begin_again(&mut self, sets: &[Vec<String>], now: &Now) -> Result<(), AnalysisError> {
+        let chi2 = |f: &Fitted| f.quality.reduced_chi2_total;
+        let best = self.fitted_models.values().map(chi2).fold(f64::INFINITY, f64::min);
+        let base = self.fitted_models.get(&Vec::new()).map_or(f64::INFINITY, |f| f.fit.f);
+        let lost = |s: &&Vec<String>| self.fitted_models.get(*s).is_some_and(|f| LITTLE * f.fit.f > base);
+        let open: Vec<Vec<String>> =
+            sets.iter().filter(|s| best > FAR || (!now.noise && lost(s))).cloned().collect();
+        if open.is_empty() || self.interrupted() {
             return Ok(());
         }
         self.first = self.unbent()?;
         self.cancelled.phase(Phase::Candidates);
-        self.fit_again(sets, |ladder, set, f| ladder.restart_from_the_record(set, f));
+        self.fit_again(&open, |ladder, set, f| ladder.restart_from_the_record(set, f));
         Ok(())
     }
 

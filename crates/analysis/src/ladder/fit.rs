@@ -20,7 +20,7 @@ pub(super) const TOLERANCE: f64 = 3e-3;
 
 /// A fit that has gained less than this share of the base's χ², and gains less than that share in a step, is left: what it
 /// has not gained by then it will not.
-const LITTLE: f64 = 0.9;
+pub(super) const LITTLE: f64 = 0.9;
 const COARSE_TOLERANCE: f64 = 2e-2;
 
 /// Steps of a fit at most.
