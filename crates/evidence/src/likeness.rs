@@ -10,6 +10,13 @@
 //! (b / N) (1 − m) x : (q / N) b (1 − m) where something else acts beside S, which is none that is imitated to the noise,
 //!
 //! with q effects expected of N and the prior b of a cause from outside.
+//!
+//! What a complete model leaves is no draw of a process either, and a share of it looks like an effect as well. Where S without e
+//! leaves little more than a complete model does, no cause has to be believed for that: against "S acts" this has the odds
+//!
+//! (1 / N) x exp(−(l′ − l)/2) : q / N,
+//!
+//! l and l′ being what S and S without e leave, in units of the mean square that a complete model is believed to leave.
 
 use crate::posterior::{SetPrior, SetProbability};
 use std::collections::{BTreeMap, BTreeSet};
@@ -18,8 +25,34 @@ use std::collections::{BTreeMap, BTreeSet};
 /// holds: of eight effects of it that were left out, the others imitated four (docs/hidden.md, one effect left out).
 pub(crate) const IMITATED: f64 = 0.5;
 
+/// An effect of a set, asked what it may be but the likeness of.
+struct Asked {
+    /// The set without it.
+    smaller: BTreeSet<String>,
+    /// Odds against it of an unknown cause, where what the set leaves is a complete model's rest, and where something else acts.
+    cause: [f64; 2],
+    /// Of a complete model's rest.
+    rest: f64,
+}
+
+impl Asked {
+    /// From what the set leaves with the effect, and without it.
+    fn of(smaller: BTreeSet<String>, [with, without]: [f64; 2], prior: &SetPrior) -> Self {
+        let x = (with / without).clamp(0.0, 1.0);
+        let expected = prior.expected.max(1e-9);
+        let own = prior.beyond / (expected * (1.0 - prior.beyond));
+        let as_large = (-0.5 * (without - with).max(0.0)).exp();
+        Self {
+            smaller,
+            cause: [own * (IMITATED + (1.0 - IMITATED) * x), x / expected],
+            rest: x / expected * as_large,
+        }
+    }
+}
+
 /// Moves from every set the probability that one of its effects is but the likeness of a cause from outside, to the set without
-/// that effect, with something else. `left`: the mean square that sets leave beyond noise, of those where it is known.
+/// that effect, with something else; or of a complete model's rest, to that set alone. `left`: the mean square that sets leave
+/// beyond noise, in units of a complete model's, of those where it is known.
 pub(crate) fn set_apart(
     sets: Vec<SetProbability>,
     left: &BTreeMap<BTreeSet<String>, f64>,
@@ -28,27 +61,26 @@ pub(crate) fn set_apart(
     let key = |s: &SetProbability| s.effects.iter().cloned().collect::<BTreeSet<String>>();
     let mut all: BTreeMap<BTreeSet<String>, [f64; 2]> =
         sets.iter().map(|s| (key(s), [s.probability, s.with_something_else])).collect();
-    let own = prior.beyond / (prior.expected.max(1e-9) * (1.0 - prior.beyond));
-    let other = 1.0 / prior.expected.max(1e-9);
     for s in sets {
         let set = key(&s);
         let without = |e: &String| set.iter().filter(|x| *x != e).cloned().collect::<BTreeSet<String>>();
-        let likeness: Vec<(BTreeSet<String>, f64)> = (set.iter().map(without))
+        let asked: Vec<Asked> = (set.iter().map(without))
             .filter_map(|smaller| {
-                let (with, without) = (left.get(&set)?, left.get(&smaller)?);
-                (*without > 0.0).then(|| (smaller, (with / without).clamp(0.0, 1.0)))
+                let both = [*left.get(&set)?, *left.get(&smaller)?];
+                (both[1] > 0.0).then(|| Asked::of(smaller, both, prior))
             })
             .collect();
-        let odds = |x: f64| [own * (IMITATED + (1.0 - IMITATED) * x), other * x];
-        let sum = [0, 1].map(|k| likeness.iter().map(|l| odds(l.1)[k]).sum::<f64>());
-        let kept = [s.probability / (1.0 + sum[0]), s.with_something_else / (1.0 + sum[1])];
+        let [own, other] = [0, 1].map(|k| asked.iter().map(|a| a.cause[k]).sum::<f64>());
+        let rest: f64 = asked.iter().map(|a| a.rest).sum();
+        let kept = [s.probability / (1.0 + own + rest), s.with_something_else / (1.0 + other)];
         if let Some(here) = all.get_mut(&set) {
             here[0] += kept[0] - s.probability;
             here[1] += kept[1] - s.with_something_else;
         }
-        for (smaller, x) in likeness {
-            let moved = odds(x);
-            all.entry(smaller).or_default()[1] += moved[0] * kept[0] + moved[1] * kept[1];
+        for a in asked {
+            let smaller = all.entry(a.smaller).or_default();
+            smaller[0] += a.rest * kept[0];
+            smaller[1] += a.cause[0] * kept[0] + a.cause[1] * kept[1];
         }
     }
     all.into_iter()
@@ -82,10 +114,12 @@ mod tests {
 
     /// Odds of an unknown cause that is all of an effect, against the effect, in the prior of these tests.
     const ODDS: f64 = 0.1 / (0.7 * 0.9);
+    /// A hundred times what a complete model leaves.
+    const MUCH: f64 = 100.0;
 
     #[test]
     fn what_leaves_noise_alone_loses_what_an_unknown_cause_imitates() {
-        let out = asked(&[(&["a"], [0.9, 0.1])], &[(&[], 1.0), (&["a"], 0.0)]);
+        let out = asked(&[(&["a"], [0.9, 0.1])], &[(&[], MUCH), (&["a"], 0.0)]);
         assert!((out[""][1] / out["a"][0] - IMITATED * ODDS).abs() < 1e-12, "{out:?}");
         // One that is imitated leaves nothing for something else.
         assert!(out["a"][1] == 0.1 && out[""][0] == 0.0, "{out:?}");
@@ -98,15 +132,26 @@ mod tests {
         let out = asked(&[(&["a"], [0.0, 1.0])], &[(&[], 1.0), (&["a"], 1.0)]);
         assert!((out[""][1] / out["a"][1] - 1.0 / 0.7).abs() < 1e-12, "{out:?}");
         // Where what is left is what a complete model leaves, the unknown cause must be believed first.
-        let out = asked(&[(&["a"], [1.0, 0.0])], &[(&[], 1.0), (&["a"], 0.5)]);
+        let out = asked(&[(&["a"], [1.0, 0.0])], &[(&[], MUCH), (&["a"], 0.5 * MUCH)]);
         let odds = (IMITATED + 0.5 * (1.0 - IMITATED)) * ODDS;
-        assert!((out[""][1] / out["a"][0] - odds).abs() < 1e-12 && out[""][0] == 0.0, "{out:?}");
+        assert!((out[""][1] / out["a"][0] - odds).abs() < 1e-12 && out[""][0] < 1e-10, "{out:?}");
+    }
+
+    #[test]
+    fn an_effect_that_takes_nothing_of_a_complete_models_rest_may_be_its_likeness() {
+        let out = asked(&[(&["a"], [1.0, 0.0])], &[(&[], 2.0), (&["a"], 2.0)]);
+        assert!((out[""][0] / out["a"][0] - 1.0 / 0.7).abs() < 1e-12, "{out:?}");
+        // What is larger without the effect is less believed of a complete model.
+        let out = asked(&[(&["a"], [1.0, 0.0])], &[(&[], 4.0), (&["a"], 2.0)]);
+        assert!((out[""][0] / out["a"][0] - 0.5 / 0.7 * (-1.0f64).exp()).abs() < 1e-12, "{out:?}");
+        // What leaves noise alone is asked nothing of this.
+        assert_eq!(asked(&[(&["a"], [1.0, 0.0])], &[(&[], 2.0), (&["a"], 0.0)])[""][0], 0.0);
     }
 
     #[test]
     fn in_a_pair_each_is_asked_for_what_it_takes() {
         let sets: &[(&[&str], [f64; 2])] = &[(&["a", "b"], [0.5, 0.5]), (&["a"], [0.0, 0.0])];
-        let out = asked(sets, &[(&["a", "b"], 0.1), (&["a"], 0.1), (&["b"], 10.0)]);
+        let out = asked(sets, &[(&["a", "b"], 0.1 * MUCH), (&["a"], 0.1 * MUCH), (&["b"], 10.0 * MUCH)]);
         let sum: f64 = out.values().flatten().sum();
         assert!((sum - 1.0).abs() < 1e-12, "{out:?}");
         assert!(out["a"][1] > 0.3 && out["b"][1] < 0.05, "{out:?}");

@@ -57,7 +57,9 @@ pub struct Judged {
     values: [[f64; 2]; 5],
     /// Probability that it leaves noise alone.
     noise_alone: f64,
-    /// Mean square that it leaves beyond noise, where that is known.
+    /// Mean square that a complete model is believed to leave.
+    complete: f64,
+    /// Mean square that it leaves beyond noise, in units of that, where it is known.
     left: Option<f64>,
 }
 
@@ -89,14 +91,15 @@ impl Judged {
             gain: 0.0,
             values,
             noise_alone: evidence.noise_alone(&View { rest, amplitude: 1.0 }, prior.unlike()),
+            complete: rest.mean_square(),
             left: None,
         }
     }
 
     /// With the mean square of its misfit beyond noise ([`crate::excess`]). A set's effects are asked whether they are but the
-    /// likeness of an unknown cause where this is known of the set, and of the set without them.
+    /// likeness of an unknown cause, or of a complete model's rest, where this is known of the set, and of the set without them.
     pub fn leaving(self, excess: f64) -> Self {
-        Self { left: Some((1.0 - self.noise_alone) * excess), ..self }
+        Self { left: Some((1.0 - self.noise_alone) * excess / self.complete), ..self }
     }
 
     /// From numbers alone: the same in every way of asking.
@@ -108,6 +111,7 @@ impl Judged {
             gain: 0.0,
             values: [[ln_z, ln_z_else]; 5],
             noise_alone: 0.0,
+            complete: RestPrior::default().mean_square(),
             left: None,
         }
     }

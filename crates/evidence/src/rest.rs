@@ -108,6 +108,11 @@ impl RestPrior {
         }
     }
 
+    /// Mean square of the rest that a complete model is believed to leave, both parts there.
+    pub(crate) fn mean_square(&self) -> f64 {
+        self.smooth.powi(2) + self.jerk.powi(2)
+    }
+
     /// Where the rest of a support may be, with prior masses: in all of so many tests (`None`) or in one alone.
     pub(crate) fn places(&self, support: [bool; 2], tests: usize) -> Vec<(Option<usize>, f64)> {
         if tests < 2 || support[0] == support[1] {

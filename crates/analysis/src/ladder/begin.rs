@@ -52,7 +52,7 @@ impl FeLadder<'_> {
                 break;
             }
             let (correction, states, enough) =
-                (base.correction.clone(), self.guesses(base, &model), base.fit.f);
+                (self.correction_beside(base, &model)?, self.guesses(base, &model), base.fit.f);
             match self.fit_model(model, theta, correction, states) {
                 Ok(f) if f.fit.f <= enough => return Ok(f),
                 Ok(f) if best.as_ref().is_ok_and(|b| b.fit.f <= f.fit.f) => {}
@@ -88,13 +88,14 @@ impl FeLadder<'_> {
         base: &Fitted,
     ) -> Result<f64, AnalysisError> {
         let whitener = Whitener::new(&self.measured.data, None, Noise::Total);
+        let correction = self.correction_beside(base, &self.begun(effects, hints, base, 1.0)?.0)?;
         let mut best = (f64::INFINITY, SHARES[SHARES.len() - 1]);
         for share in SHARES {
             let (model, theta) = self.begun(effects, hints, base, share)?;
             let slots = &self.measured.slots;
             let mut problem = FeProblem::new(&model, theta, Vec::new(), slots, self.options, self.cancelled);
             problem.options.stepping.budget = crate::identify::TRIAL_BUDGET;
-            problem.correction = base.correction.clone();
+            problem.correction = correction.clone();
             problem.start_from(self.guesses(base, &model));
             self.runs.fetch_add(1, Ordering::Relaxed);
             match problem.predict(&[], false) {
@@ -134,9 +135,52 @@ impl FeLadder<'_> {
             "{}: once more from where the record's own start is",
             super::named(effects)
         ));
-        match self.fit_model(model, theta, base.correction.clone(), Vec::new()) {
+        let Ok(correction) = self.correction_beside(base, &model) else { return first };
+        match self.fit_model(model, theta, correction, Vec::new()) {
             Ok(f) if f.fit.f < first.fit.f => f,
             _ => first,
+        }
+    }
+
+    /// What the file's mesh says more beside a model with further effects: at their neutral values it is as good as the base, also
+    /// where it is followed by other load steps, on which a coarse mesh may jump elsewhere.
+    fn correction_beside(&self, base: &Fitted, model: &Model) -> Result<Correction, AnalysisError> {
+        let mut correction = base.correction.clone();
+        let plan = |m: &Model, t: usize| m.plan(t, &self.options);
+        if (0..model.tests.len()).all(|t| plan(model, t) == plan(&base.model, t)) {
+            return Ok(correction);
+        }
+        let mut theta = transfer(&base.model, &base.theta, model);
+        for effect in model.case.effects.iter().filter(|e| !base.model.effects().contains(&e.name)) {
+            for spec in effect.specs.iter() {
+                if let (Some(neutral), Some(i)) =
+                    (spec.neutral, model.find(&format!("effects.{}.{}", effect.name, spec.name)))
+                {
+                    theta[i] = neutral;
+                }
+            }
+        }
+        let mut problem = FeProblem::new(
+            model,
+            theta.clone(),
+            Vec::new(),
+            &self.measured.slots,
+            self.options,
+            self.cancelled,
+        );
+        problem.options.stepping.budget = crate::identify::TRIAL_BUDGET;
+        self.runs.fetch_add(1, Ordering::Relaxed);
+        match problem.predict(&[], false) {
+            Ok(own) => {
+                let mut values = own.values;
+                correction.apply(model, &theta, &[], &mut values, None);
+                if correction.shift.len() == values.len() {
+                    correction.shift += &base.fit.prediction.values - values;
+                }
+                Ok(correction)
+            }
+            Err(e @ inverse::PredictError::Interrupted) => Err(e.into()),
+            Err(_) => Ok(correction),
         }
     }
 

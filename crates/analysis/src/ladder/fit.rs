@@ -18,8 +18,9 @@ use std::sync::atomic::Ordering;
 /// is a short step more often than the end.
 pub(super) const TOLERANCE: f64 = 3e-3;
 
-/// A fit that has gained less than this share of the base's χ², and gains less than that share in a step, is left: what it
-/// has not gained by then it will not.
+/// A fit that comes to about the base's χ², no better than this share of it, and gains less than that share in a step, is left:
+/// what it has not gained by then it will not. One that is clearly worse is on its way: at its neutral value an effect is as good
+/// as the base.
 pub(super) const LITTLE: f64 = 0.9;
 const COARSE_TOLERANCE: f64 = 2e-2;
 
@@ -108,7 +109,8 @@ impl FeLadder<'_> {
             };
             let progress = self.progress;
             let names = super::named(&self.parts_of(&model));
-            let far = LITTLE * self.fitted_models.get(&Vec::new()).map_or(f64::INFINITY, |f| f.fit.f);
+            let base = self.fitted_models.get(&Vec::new()).map_or(f64::INFINITY, |f| f.fit.f);
+            let little = LITTLE * base..base / LITTLE;
             let mut last = f64::INFINITY;
             let mut watch = |i: &Iterate| {
                 if let Some(f) = i.f {
@@ -120,7 +122,7 @@ impl FeLadder<'_> {
                 }
                 // A trial that was rejected says nothing about the fit.
                 let taken = i.f.filter(|_| i.accepted);
-                let idle = taken.is_some_and(|f| f > far && last - f < COARSE_TOLERANCE * f);
+                let idle = taken.is_some_and(|f| little.contains(&f) && last - f < COARSE_TOLERANCE * f);
                 // Beside a model that leaves noise alone, and only there, half a difference of χ² is one of evidence. Twice
                 // the fall of the last step is what a fit may hope for.
                 let behind = taken
@@ -135,7 +137,7 @@ impl FeLadder<'_> {
                 data: &self.measured.data,
                 free: &list,
                 options: &options,
-                how: &format!("far {far}, leader {:?}", self.leader),
+                how: &format!("little {little:?}, leader {:?}", self.leader),
                 cancelled: self.cancelled,
             };
             let done = remembered(self.journal, &asked, &mut watch, &mut |observer| {
