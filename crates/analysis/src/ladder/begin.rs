@@ -87,7 +87,8 @@ impl FeLadder<'_> {
         hints: &diagnose::Hints,
         base: &Fitted,
     ) -> Result<f64, AnalysisError> {
-        let whitener = Whitener::new(&self.measured.data, None, Noise::Total);
+        // By what the fit minimises.
+        let whitener = Whitener::new(&self.measured.data, None, Noise::Record);
         let correction = self.correction_beside(base, &self.begun(effects, hints, base, 1.0)?.0)?;
         let mut best = (f64::INFINITY, SHARES[SHARES.len() - 1]);
         for share in SHARES {
