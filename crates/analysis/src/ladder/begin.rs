@@ -143,48 +143,6 @@ impl FeLadder<'_> {
         }
     }
 
-    /// What the file's mesh says more beside a model with further effects: at their neutral values it is as good as the base, also
-    /// where it is followed by other load steps, on which a coarse mesh may jump elsewhere.
-    fn correction_beside(&self, base: &Fitted, model: &Model) -> Result<Correction, AnalysisError> {
-        let mut correction = base.correction.clone();
-        let plan = |m: &Model, t: usize| m.plan(t, &self.options);
-        if (0..model.tests.len()).all(|t| plan(model, t) == plan(&base.model, t)) {
-            return Ok(correction);
-        }
-        let mut theta = transfer(&base.model, &base.theta, model);
-        for effect in model.case.effects.iter().filter(|e| !base.model.effects().contains(&e.name)) {
-            for spec in effect.specs.iter() {
-                if let (Some(neutral), Some(i)) =
-                    (spec.neutral, model.find(&format!("effects.{}.{}", effect.name, spec.name)))
-                {
-                    theta[i] = neutral;
-                }
-            }
-        }
-        let mut problem = FeProblem::new(
-            model,
-            theta.clone(),
-            Vec::new(),
-            &self.measured.slots,
-            self.options,
-            self.cancelled,
-        );
-        problem.options.stepping.budget = crate::identify::TRIAL_BUDGET;
-        self.runs.fetch_add(1, Ordering::Relaxed);
-        match problem.predict(&[], false) {
-            Ok(own) => {
-                let mut values = own.values;
-                correction.apply(model, &theta, &[], &mut values, None);
-                if correction.shift.len() == values.len() {
-                    correction.shift += &base.fit.prediction.values - values;
-                }
-                Ok(correction)
-            }
-            Err(e @ inverse::PredictError::Interrupted) => Err(e.into()),
-            Err(_) => Ok(correction),
-        }
-    }
-
     /// Once more from where `fct identify` begins with this model in the file, its effects as the first fit has them: the
     /// base's optimum, from which that was fitted, may be bent to where no step leads out. Where either misses the records by
     /// far, where `identify` ends on the file's mesh. The best of them.
@@ -245,25 +203,7 @@ fn off_bounds(of: &Fitted, model: &Model, theta: &mut [f64]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::fmt::Write as _;
-
-    /// A tear whose unloading follows a curve of its own: no base model explains it.
-    fn unexplained(folder: &std::path::Path) -> Case {
-        let mut rows = String::from("time_s,displacement_mm,force_N\n");
-        for k in 0..60 {
-            let t = f64::from(k);
-            let back = (20..30).contains(&k);
-            let u = 0.02 * if back { 40.0 - t } else { t - if k < 20 { 0.0 } else { 20.0 } };
-            let force = 0.5 * u * (-u).exp() * if back { 0.3 } else { 1.0 };
-            let _ = writeln!(rows, "{t},{u},{force}");
-        }
-        let text = "name = \"loop\"\n[geometry]\nlength_mm = 4.0\nwidth_mm = 3.0\nthickness_mm = 0.8\ncut_mm = 1.0\n\
-                    [[tests]]\nkind = \"tearing\"\ndata = \"tearing.csv\"\nforce_sd_N = 0.002\n[mesh]\ndivisions = [4, 4, 1]\n\
-                    [bulk]\nmu_kPa = 6.0\nk2 = 8.0\ngamma_deg = 42.0\nkappa = 0.2\n";
-        std::fs::write(folder.join("tearing.csv"), rows).expect("a record");
-        std::fs::write(folder.join("c.toml"), text).expect("a config");
-        input::read_case(&folder.join("c.toml"), &effects::catalogue()).unwrap_or_else(|e| panic!("{e}"))
-    }
+    use crate::ladder::tests::unexplained;
 
     /// What misses the records by far, wherever it stood, goes to where `identify` of its model ends on the file's mesh.
     #[test]

@@ -13,8 +13,11 @@ mod fitted_model;
 mod forms;
 pub(crate) mod laws;
 mod leading;
+mod neutral;
 pub(crate) mod next_test;
 mod settle;
+#[cfg(test)]
+mod tests;
 
 pub use adds::Adds;
 pub use decided::Weighed;
