@@ -14,11 +14,8 @@ impl FeLadder<'_> {
     pub(super) fn best_form(&self, f: &Fitted) -> Result<Option<Fitted>, AnalysisError> {
         let mut best: Option<Fitted> = None;
         for at in 0..f.model.case.effects.len() {
-            loop {
-                match self.better_form(best.as_ref().unwrap_or(f), at)? {
-                    Some(better) => best = Some(better),
-                    None => break,
-                }
+            while let Some(better) = self.better_form(best.as_ref().unwrap_or(f), at)? {
+                best = Some(better);
             }
         }
         Ok(best)
