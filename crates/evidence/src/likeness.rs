@@ -38,7 +38,8 @@ struct Asked {
 impl Asked {
     /// From what the set leaves with the effect, and without it.
     fn of(smaller: BTreeSet<String>, [with, without]: [f64; 2], prior: &SetPrior) -> Self {
-        let x = (with / without).clamp(0.0, 1.0);
+        // Where nothing is left without the effect, nothing was taken.
+        let x = if without > 0.0 { (with / without).min(1.0) } else { f64::from(u8::from(with > 0.0)) };
         let expected = prior.expected.max(1e-9);
         let own = prior.beyond / (expected * (1.0 - prior.beyond));
         let as_large = (-0.5 * (without - with).max(0.0)).exp();
@@ -67,7 +68,7 @@ pub(crate) fn set_apart(
         let asked: Vec<Asked> = (set.iter().map(without))
             .filter_map(|smaller| {
                 let both = [*left.get(&set)?, *left.get(&smaller)?];
-                (both[1] > 0.0).then(|| Asked::of(smaller, both, prior))
+                Some(Asked::of(smaller, both, prior))
             })
             .collect();
         let [own, other] = [0, 1].map(|k| asked.iter().map(|a| a.cause[k]).sum::<f64>());
@@ -123,6 +124,9 @@ mod tests {
         assert!((out[""][1] / out["a"][0] - IMITATED * ODDS).abs() < 1e-12, "{out:?}");
         // One that is imitated leaves nothing for something else.
         assert!(out["a"][1] == 0.1 && out[""][0] == 0.0, "{out:?}");
+        // Also where the noise hides what the effect does.
+        let out = asked(&[(&["a"], [1.0, 0.0])], &[(&[], 0.0), (&["a"], 0.0)]);
+        assert!((out[""][1] / out["a"][0] - IMITATED * ODDS).abs() < 1e-12, "{out:?}");
         // Where it is not known what is left, nothing.
         assert_eq!(asked(&[(&["a"], [0.9, 0.1])], &[(&["a"], 1.0)])["a"], [0.9, 0.1]);
     }
