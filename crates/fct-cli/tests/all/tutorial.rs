@@ -63,7 +63,9 @@ fn the_tutorial_works_as_written() -> Tested {
     );
     let search = read(&here.join("runs/search/summary.json"))?;
     assert_eq!((&search["verdict"], &search["found"][0]), (&"explained".into(), &"viscoelastic".into()));
-    assert!(search["posterior"]["effects"]["viscoelastic"].as_f64() > Some(0.95), "{}", search["posterior"]);
+    // Where noise alone is left, a cause that looks the same keeps some 7 %.
+    let acts = search["posterior"]["effects"]["viscoelastic"].as_f64();
+    assert!(acts > Some(0.92) && acts < Some(0.95), "{}", search["posterior"]);
     // The first rung is what `identify` found.
     let ladder = &search["ladder"][0]["values"];
     for p in base["parameters"].as_array().ok_or("parameters")? {
