@@ -158,6 +158,12 @@ mod tests {
         let out = asked(sets, &[(&["a", "b"], 0.1 * MUCH), (&["a"], 0.1 * MUCH), (&["b"], 10.0 * MUCH)]);
         let sum: f64 = out.values().flatten().sum();
         assert!((sum - 1.0).abs() < 1e-12, "{out:?}");
-        assert!(out["a"][1] > 0.3 && out["b"][1] < 0.05, "{out:?}");
+        // x is 0.01 for a, without which a hundred times as much is left, and 1 for b, without which as much is.
+        let (a, b) = ([ODDS * 0.505, 0.01 / 0.7], [ODDS, 1.0 / 0.7]);
+        let kept = [0.5 / (1.0 + a[0] + b[0] + 1.0 / 0.7), 0.5 / (1.0 + a[1] + b[1])];
+        let expected = [("b", a), ("a", b)].map(|(left, odds)| (left, odds[0] * kept[0] + odds[1] * kept[1]));
+        for (left, moved) in expected {
+            assert!((out[left][1] - moved).abs() < 1e-12, "{left}: {moved} {out:?}");
+        }
     }
 }

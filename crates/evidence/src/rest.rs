@@ -209,13 +209,16 @@ mod tests {
         }
     }
 
+    /// The odds that the README states, at the prior of a cause that leaves a rest.
     #[test]
-    fn a_cause_outside_leads_from_four_percent_on() {
-        let prior = RestPrior::default();
+    fn a_cause_outside_leads_from_between_four_and_five_percent_on() {
+        let (rest, sets) = (RestPrior::default(), crate::SetPrior::of_catalogue(20));
         let odds = |tau: f64| {
-            let d = prior.density([true, false], [tau, 0.0]);
-            d[1] / d[0]
+            let d = rest.density([true, false], [tau, 0.0]);
+            d[1] / d[0] * sets.unlike() / (1.0 - sets.beyond)
         };
-        assert!(odds(0.01) < 0.1 && odds(0.02) < 1.0 && odds(0.05) > 20.0, "{} {}", odds(0.02), odds(0.05));
+        for (tau, stated) in [(0.02, 0.025), (0.04, 0.40), (0.05, 2.6)] {
+            assert!((odds(tau) / stated - 1.0).abs() < 0.02, "{tau}: {}", odds(tau));
+        }
     }
 }

@@ -39,22 +39,25 @@ impl FeLadder<'_> {
         hints: &diagnose::Hints,
     ) -> Result<Fitted, AnalysisError> {
         let mut best: Result<Fitted, AnalysisError> = Err(AnalysisError::Case("no base fit".into()));
+        let Some(base) = self.nearest(key) else { return best };
+        let correction = self.correction_beside(base, &self.begun(effects, hints, base, 1.0)?.0)?;
         for begin in [Begin::Screened, Begin::Nearer, Begin::OffBounds] {
             // A law has no neutral value to begin nearer to.
             let alone = begin == Begin::Nearer && self.laws_alone(effects);
             if best.is_ok() && (begin == Begin::OffBounds || alone) {
                 break;
             }
-            let Some(base) = self.nearest(key) else { break };
-            let share = if begin == Begin::Nearer { self.best_share(effects, hints, base)? } else { 1.0 };
+            let share = match begin {
+                Begin::Nearer => self.best_share(effects, hints, base, &correction)?,
+                _ => 1.0,
+            };
             let (model, mut theta) = self.begun(effects, hints, base, share)?;
             if begin == Begin::OffBounds && !off_bounds(base, &model, &mut theta) {
                 break;
             }
-            let (correction, states, enough) =
-                (self.correction_beside(base, &model)?, self.guesses(base, &model), base.fit.f);
-            match self.fit_model(model, theta, correction, states) {
-                Ok(f) if f.fit.f <= enough => return Ok(f),
+            let states = self.guesses(base, &model);
+            match self.fit_model(model, theta, correction.clone(), states) {
+                Ok(f) if f.fit.f <= base.fit.f => return Ok(f),
                 Ok(f) if best.as_ref().is_ok_and(|b| b.fit.f <= f.fit.f) => {}
                 Err(e) if self.cancelled.stops() => return Err(e),
                 Err(_) if best.is_ok() => {}
@@ -86,10 +89,10 @@ impl FeLadder<'_> {
         effects: &[String],
         hints: &diagnose::Hints,
         base: &Fitted,
+        correction: &Correction,
     ) -> Result<f64, AnalysisError> {
         // By what the fit minimises.
         let whitener = Whitener::new(&self.measured.data, None, Noise::Record);
-        let correction = self.correction_beside(base, &self.begun(effects, hints, base, 1.0)?.0)?;
         let mut best = (f64::INFINITY, SHARES[SHARES.len() - 1]);
         for share in SHARES {
             let (model, theta) = self.begun(effects, hints, base, share)?;
@@ -203,21 +206,15 @@ fn off_bounds(of: &Fitted, model: &Model, theta: &mut [f64]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ladder::tests::unexplained;
+    use crate::ladder::tests::{unexplained, unheard};
 
     /// What misses the records by far, wherever it stood, goes to where `identify` of its model ends on the file's mesh.
     #[test]
     fn what_misses_by_far_is_taken_to_where_identify_ends() {
         let folder = tempfile::tempdir().expect("a folder");
         let catalogue = effects::catalogue();
-        let how = crate::LadderSettings {
-            catalogue: &catalogue,
-            policy: diagnose::Policy::default(),
-            progress: &|_| (),
-            cancelled: &|| false,
-            journal: &crate::NoJournal,
-        };
-        let mut ladder = FeLadder::weighing(Arc::new(unexplained(folder.path())), how).expect("a base fit");
+        let mut ladder = FeLadder::weighing(Arc::new(unexplained(folder.path())), unheard(&catalogue))
+            .expect("a base fit");
         let identified = ladder.shown(&[]).expect("a base model").fit.f;
         let mut astray = ladder.fitted_models.remove(&Vec::new()).expect("a base fit");
         astray.fit.f = f64::INFINITY;

@@ -133,6 +133,7 @@ fn start_from(h: &Finding, specs: &[params::ParamSpec], values: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::super::catalogue::{Done, Now, Singles};
+    use super::super::tests::unheard;
     use super::*;
     use std::collections::BTreeSet;
     use std::fmt::Write as _;
@@ -182,14 +183,8 @@ mod tests {
     fn a_leading_set_is_tried_in_other_forms_wherever_its_fit_ended() {
         let folder = tempfile::tempdir().expect("a folder");
         let catalogue = effects::catalogue();
-        let how = crate::LadderSettings {
-            catalogue: &catalogue,
-            policy: diagnose::Policy::default(),
-            progress: &|_| (),
-            cancelled: &|| false,
-            journal: &crate::NoJournal,
-        };
-        let mut ladder = FeLadder::weighing(Arc::new(relaxing(folder.path())), how).expect("a base fit");
+        let mut ladder =
+            FeLadder::weighing(Arc::new(relaxing(folder.path())), unheard(&catalogue)).expect("a base fit");
         let set = vec!["viscoelastic".to_owned()];
         ladder.columns_at(&[]).expect("columns");
         ladder.fit_sets(std::slice::from_ref(&set)).expect("a fit");

@@ -19,7 +19,10 @@ impl FeLadder<'_> {
     ) -> Result<Correction, AnalysisError> {
         let mut correction = base.correction.clone();
         let plan = |m: &Model, t: usize| m.plan(t, &self.options);
-        if (0..model.tests.len()).all(|t| plan(model, t) == plan(&base.model, t)) {
+        let laws = |m: &Model| (m.case.bulk.law.clone(), m.case.interface.law.clone());
+        let same = (0..model.tests.len()).all(|t| plan(model, t) == plan(&base.model, t));
+        // Another law has no neutral value.
+        if same || laws(model) != laws(&base.model) {
             return Ok(correction);
         }
         let theta = at_neutral(base, model);
@@ -66,7 +69,7 @@ fn at_neutral(base: &Fitted, model: &Model) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ladder::tests::unexplained;
+    use crate::ladder::tests::{unexplained, unheard};
     use nalgebra::DVector;
     use std::sync::Arc;
 
@@ -75,14 +78,8 @@ mod tests {
     fn at_neutral_an_effect_is_as_good_as_the_base() {
         let folder = tempfile::tempdir().expect("a folder");
         let catalogue = effects::catalogue();
-        let how = crate::LadderSettings {
-            catalogue: &catalogue,
-            policy: diagnose::Policy::default(),
-            progress: &|_| (),
-            cancelled: &|| false,
-            journal: &crate::NoJournal,
-        };
-        let ladder = FeLadder::weighing(Arc::new(unexplained(folder.path())), how).expect("a base fit");
+        let ladder = FeLadder::weighing(Arc::new(unexplained(folder.path())), unheard(&catalogue))
+            .expect("a base fit");
         let base = &ladder.fitted_models[&Vec::new()];
         let mut case = (*base.model.case).clone();
         let mullins = catalogue.get("mullins").expect("an effect");

@@ -1,7 +1,20 @@
-//! Cases that tests of the ladder share.
+//! What tests of the ladder share.
 
+use crate::LadderSettings;
 use input::Case;
+use model::Catalogue;
 use std::fmt::Write as _;
+
+/// A search that nobody hears of, stops or keeps.
+pub(super) fn unheard(catalogue: &Catalogue) -> LadderSettings<'_> {
+    LadderSettings {
+        catalogue,
+        policy: diagnose::Policy::default(),
+        progress: &|_| (),
+        cancelled: &|| false,
+        journal: &crate::NoJournal,
+    }
+}
 
 /// A tear whose unloading follows a curve of its own: no base model explains it.
 pub(super) fn unexplained(folder: &std::path::Path) -> Case {
