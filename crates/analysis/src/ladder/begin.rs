@@ -206,6 +206,7 @@ fn off_bounds(of: &Fitted, model: &Model, theta: &mut [f64]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ladder::catalogue::Now;
     use crate::ladder::tests::{unexplained, unheard};
 
     /// What misses the records by far, wherever it stood, goes to where `identify` of its model ends on the file's mesh.
@@ -227,5 +228,33 @@ mod tests {
         );
         assert!(found.quality.reduced_chi2_total > FAR && found.settled);
         assert!(found.fit.f <= 1.001 * identified, "{} for {}", found.fit.f, identified);
+    }
+
+    /// Of the fits that ended worse than the base, those that did so clearly begin once more, where the base leaves more than noise.
+    #[test]
+    fn what_ended_clearly_worse_than_the_base_begins_once_more() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let catalogue = effects::catalogue();
+        let mut ladder = FeLadder::weighing(Arc::new(unexplained(folder.path())), unheard(&catalogue))
+            .expect("a base fit");
+        let sets = ["compliance", "drift"].map(|e| vec![e.to_owned()]);
+        ladder.columns_at(&[]).expect("columns");
+        ladder.fit_sets(&sets).expect("fits");
+        // As if what is left were near the noise: no reason to begin all again.
+        let base = ladder.fitted_models.get_mut(&Vec::new()).expect("a base fit");
+        base.quality.reduced_chi2_total = 1.0;
+        let lost = [1.05, 10.0].map(|times| times * base.fit.f);
+        for (set, f) in sets.iter().zip(lost) {
+            ladder.fitted_models.get_mut(set).expect("a fit").fit.f = f;
+        }
+        let (found, posterior, models) = ladder.posterior().expect("probabilities");
+        let mut now = Now { found, posterior, models, noise: true, leads: Vec::new() };
+        let ends = |ladder: &FeLadder| sets.clone().map(|s| ladder.fitted_models[&s].fit.f);
+        ladder.begin_again(&sets, &now).expect("fits");
+        assert_eq!(ends(&ladder), lost);
+        now.noise = false;
+        ladder.begin_again(&sets, &now).expect("fits");
+        let [little, much] = ends(&ladder);
+        assert!(little == lost[0] && much < 0.5 * lost[1], "{little} {much} of {lost:?}");
     }
 }

@@ -134,7 +134,7 @@ impl FeLadder<'_> {
 
     /// Once more from the record's own start: all sets, where no effect explains what the base leaves by far; those that ended clearly
     /// worse than the base, wherever the base leaves more than noise. At its neutral value an effect is as good as the base.
-    fn begin_again(&mut self, sets: &[Vec<String>], now: &Now) -> Result<(), AnalysisError> {
+    pub(super) fn begin_again(&mut self, sets: &[Vec<String>], now: &Now) -> Result<(), AnalysisError> {
         let chi2 = |f: &Fitted| f.quality.reduced_chi2_total;
         let best = self.fitted_models.values().map(chi2).fold(f64::INFINITY, f64::min);
         let base = self.fitted_models.get(&Vec::new()).map_or(f64::INFINITY, |f| f.fit.f);
