@@ -6,11 +6,10 @@
 //! bounds, and a box around each step in the transformed coordinates, so that a direction that the data
 //! do not fix (a *sloppy* one, Transtrum, Machta & Sethna 2011) cannot run to infinity.
 
-use crate::acceleration::{Last, accelerated_step};
-use crate::curvature::Curvature;
+use crate::acceleration::accelerated_step;
+use crate::course::Course;
 use crate::linalg::Reduced;
 use crate::step::{StepBox, bounded_step, length, moves};
-use crate::step_control::StepControl;
 use crate::whiten::{Whitened, Whitener};
 use crate::{
     Data, Fit, FitError, FitOptions, Free, Iterate, Objective, PredictError, Prediction, Problem, StopReason,
@@ -24,17 +23,17 @@ pub(crate) struct State {
     pub theta: Vec<f64>,
     pub f: f64,
     prediction: Prediction,
-    system: Option<System>,
+    pub system: Option<System>,
 }
 
 /// The linearised problem at a point.
-struct System {
-    whitened: Whitened,
-    reduced: Reduced,
+pub(crate) struct System {
+    pub whitened: Whitened,
+    pub reduced: Reduced,
     /// Marquardt's scale: diagonal of JᵀJ.
-    scale: DVector<f64>,
+    pub scale: DVector<f64>,
     /// The same with what is known of the curvature besides, where that says more.
-    curved: Option<Reduced>,
+    pub curved: Option<Reduced>,
 }
 
 impl System {
@@ -120,10 +119,7 @@ impl Search<'_> {
             return Ok(self.finish(state, 0, StopReason::NothingFree));
         }
         let zero = 1e-24 * self.objective_map.apply(&self.data.measured()).norm_squared();
-        let mut control = StepControl::new(self.options.initial_damping);
-        let mut curvature = Curvature::none(self.free.len());
-        let mut last: Option<Last> = None;
-        let (mut small, mut idle) = (0, 0);
+        let mut course = Course::begin(self.options, self.free.len());
         for iteration in 1..=self.options.max_iterations {
             if state.f <= zero {
                 return Ok(self.finish(state, iteration - 1, StopReason::Exact));
@@ -131,54 +127,31 @@ impl Search<'_> {
             if self.predicted_reduction(&state) <= 1e-3 * self.options.tolerance {
                 return Ok(self.finish(state, iteration - 1, StopReason::Stationary));
             }
-            let next = match self.advance(&state, iteration, &mut control, last.as_ref(), observer)? {
-                Advance::To(next) => *next,
-                Advance::Stop(None, StopReason::NoDescent) if !self.settled(&state) => {
-                    match self.look_around(&state, iteration, observer)? {
-                        Advance::To(next) => {
-                            (control, curvature) = (
-                                StepControl::new(self.options.initial_damping),
-                                Curvature::none(self.free.len()),
-                            );
-                            (last, small, idle) = (None, 0, 0);
-                            state = *next;
-                            continue;
-                        }
-                        Advance::Stop(best, reason) => {
-                            let taken = iteration - usize::from(best.is_none());
-                            return Ok(self.finish(best.map_or(state, |b| *b), taken, reason));
-                        }
-                    }
+            let (end, taken) = match self.advance(&state, iteration, &mut course, observer)? {
+                Advance::To(next) => (self.take(&mut state, *next, &mut course), iteration),
+                Advance::Stop(None, StopReason::NoDescent) if self.settled(&state) => {
+                    (Some(StopReason::Stationary), iteration - 1)
                 }
+                Advance::Stop(None, StopReason::NoDescent) => (Some(StopReason::NoDescent), iteration - 1),
                 Advance::Stop(best, reason) => {
-                    let settled = reason == StopReason::NoDescent && self.settled(&state);
-                    let reason = if settled { StopReason::Stationary } else { reason };
                     let taken = iteration - usize::from(best.is_none());
                     return Ok(self.finish(best.map_or(state, |b| *b), taken, reason));
                 }
             };
-            let change = (state.f - next.f) / state.f;
-            let told = (state.f - next.f) / self.options.worth(self.data, next.f);
-            last = state.system.take().map(|s| Last { dz: &next.z - &state.z, whitened: s.whitened });
-            state = next;
-            if let (Some(last), Some(system)) = (&last, &mut state.system) {
-                curvature.learn(last, &system.whitened);
-                system.curved = curvature.system(&system.reduced, &system.scale);
+            let Some(reason) = end else { continue };
+            if !self.is_stuck(&state, reason) {
+                return Ok(self.finish(state, taken, reason));
             }
-            idle = if told < self.options.insignificant { idle + 1 } else { 0 };
-            if idle >= 3 {
-                return Ok(self.finish(state, iteration, StopReason::Insignificant));
-            }
-            if change < self.options.tolerance {
-                small += 1;
-                if self.predicted_reduction(&state) < 10.0 * self.options.tolerance {
-                    return Ok(self.finish(state, iteration, StopReason::Converged));
+            match self.look_around(&state, iteration, observer)? {
+                Advance::To(next) => {
+                    state = *next;
+                    course = Course::begin(self.options, self.free.len());
                 }
-                if small >= 3 {
-                    return Ok(self.finish(state, iteration, StopReason::Flat));
+                Advance::Stop(best, why) => {
+                    let reason = if why == StopReason::Stopped { why } else { reason };
+                    let taken = if best.is_some() { iteration } else { taken };
+                    return Ok(self.finish(best.map_or(state, |b| *b), taken, reason));
                 }
-            } else {
-                small = 0;
             }
         }
         let n = self.options.max_iterations;
@@ -186,13 +159,8 @@ impl Search<'_> {
         Ok(self.finish(state, n, reason))
     }
 
-    /// Whether no step predicts a reduction that counts.
-    fn settled(&self, state: &State) -> bool {
-        self.predicted_reduction(state) < 10.0 * self.options.tolerance
-    }
-
     /// Predicted relative reduction of an almost undamped step.
-    fn predicted_reduction(&self, state: &State) -> f64 {
+    pub(crate) fn predicted_reduction(&self, state: &State) -> f64 {
         state.system.as_ref().map_or(0.0, |own| {
             let (system, d) = (own.model(), &own.scale);
             // In a sloppy valley the undamped step ends on many edges of its box and may predict
@@ -210,8 +178,7 @@ impl Search<'_> {
         &mut self,
         state: &State,
         iteration: usize,
-        control: &mut StepControl,
-        last: Option<&Last>,
+        Course { control, last, .. }: &mut Course,
         observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
     ) -> Result<Advance, FitError> {
         let Some(own) = &state.system else {
@@ -219,7 +186,7 @@ impl Search<'_> {
         };
         let (whitened, system, d) = (&own.whitened, own.model(), &own.scale);
         // The curvature holds what the last step says.
-        let last = last.filter(|_| own.curved.is_none());
+        let last = last.as_ref().filter(|_| own.curved.is_none());
         let space = self.step_box(state);
         for trial in 0..self.options.max_trials {
             let mut step = control.step(system, d, &space);

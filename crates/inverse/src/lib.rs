@@ -3,6 +3,7 @@
 mod acceleration;
 mod allowing;
 mod asymmetric;
+mod course;
 mod covariance;
 mod curvature;
 mod data;

@@ -63,7 +63,8 @@ struct Rounds<'a> {
 
 /// Fits `expensive` from the start values of `free`; one run of it (with its jacobian) a round. `observer` hears of these
 /// runs, `watch` of those of the fits in between; either may end the fit. Where the cheap model cannot be computed at an
-/// anchor, the expensive one searches alone from there.
+/// anchor, or the map leads nowhere from one that is far from the data (`FitOptions::poll` of the whole says how far), the expensive one
+/// searches alone from there.
 ///
 /// # Errors
 /// [`FitError`] as [`fit`]'s.
@@ -91,8 +92,11 @@ pub fn fit_mapped(
             Err(PredictError::Interrupted) => return Ok(fit.end(StopReason::Stopped)),
             Err(PredictError::NotComputable(_)) => return fit.alone(observer),
         };
-        if let Some(stop) = fit.round(&map, observer, watch) {
-            return Ok(fit.end(stop));
+        match fit.round(&map, observer, watch) {
+            // The map may jump where the expensive model does not.
+            Some(StopReason::NoDescent) if fit.is_far() => return fit.alone(observer),
+            Some(stop) => return Ok(fit.end(stop)),
+            None => {}
         }
     }
     Ok(fit.end(StopReason::MaxIterations))
@@ -120,7 +124,7 @@ impl Rounds<'_> {
             };
             let predicted = self.at.f - inner.f;
             if predicted <= worth {
-                let settled = self.rejected == 0;
+                let settled = self.rejected == 0 && inner.stop != StopReason::NoDescent;
                 return Some(if settled { StopReason::Converged } else { StopReason::NoDescent });
             }
             self.runs += 1;
@@ -167,6 +171,12 @@ impl Rounds<'_> {
         let flow = observer(&iterate);
         self.history.push(iterate);
         flow
+    }
+
+    /// Whether so much is left that it may be the map that hinders, not what the model can do.
+    fn is_far(&self) -> bool {
+        let outer = &self.options.outer;
+        outer.poll.as_ref().is_some_and(|p| p.is_far(self.at.f, self.data, outer))
     }
 
     /// The rest of the fit without a cheap model.

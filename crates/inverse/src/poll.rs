@@ -6,7 +6,7 @@
 //! along each group of parameters, both ways, near and farther.
 
 use crate::fit::{Advance, Failure, Search, State};
-use crate::{FitError, Free, Iterate, PredictError, StopReason};
+use crate::{Data, FitError, FitOptions, Free, Iterate, PredictError, StopReason};
 use nalgebra::DVector;
 use std::ops::ControlFlow;
 
@@ -24,12 +24,17 @@ pub struct Poll {
 const STEPS: [f64; 2] = [0.04, 0.15];
 
 /// Share of f that a place must not exceed to be worth going on from.
-const ENOUGH: f64 = 0.95;
+pub(crate) const ENOUGH: f64 = 0.95;
 
 impl Poll {
     /// Each parameter alone.
     pub fn each(above: f64, free: usize) -> Self {
         Self { above, groups: (0..free).map(|k| vec![k]).collect() }
+    }
+
+    /// Whether an objective is so far from the records that it is worth the runs.
+    pub(crate) fn is_far(&self, f: f64, data: &Data, options: &FitOptions) -> bool {
+        f > self.above * options.unit(data) * data.points().max(1) as f64
     }
 
     /// The places around a point, in transformed coordinates; those that bounds leave where they are are left out.
@@ -59,8 +64,7 @@ impl Search<'_> {
         iteration: usize,
         observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
     ) -> Result<Advance, FitError> {
-        let points = self.data.points().max(1) as f64;
-        let far = |p: &&Poll| state.f > p.above * self.options.unit(self.data) * points;
+        let far = |p: &&Poll| p.is_far(state.f, self.data, self.options);
         let Some(poll) = self.options.poll.as_ref().filter(far) else {
             return Ok(Advance::Stop(None, StopReason::NoDescent));
         };

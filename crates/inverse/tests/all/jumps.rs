@@ -1,7 +1,8 @@
 //! Models that jump: where derivatives lead nowhere a search looks around.
 
 use inverse::{
-    Data, Fit, FitOptions, Free, NoiseModel, Objective, Poll, PredictError, Prediction, Problem, fit,
+    Data, Fit, FitOptions, Free, NoiseModel, Objective, Poll, PredictError, Prediction, Problem, StopReason,
+    fit,
 };
 use nalgebra::{DMatrix, DVector};
 use params::Transform;
@@ -30,11 +31,15 @@ impl Problem for Breaks {
 
 /// Fits a record of a strip that holds to its end, but softens as one that breaks before does: from just before its end.
 fn fitted(poll: Option<Poll>, softens: f64) -> Fit {
+    fitted_until(0.0, poll, softens)
+}
+
+/// The same; three steps in a row that lower χ² by less than `insignificant` end it.
+fn fitted_until(insignificant: f64, poll: Option<Poll>, softens: f64) -> Fit {
     let values = (0..POINTS).map(|i| at(i) * (1.0 - softens * at(i).powi(2))).collect();
     let data = Data::from_parts([("pull".to_owned(), values, NoiseModel::white(NOISE))]).expect("data");
     let free = [Free::new("c", (0.1, 10.0), Transform::Log, 0.985)];
-    let options =
-        FitOptions { objective: Objective::Record, insignificant: 0.0, poll, ..FitOptions::default() };
+    let options = FitOptions { objective: Objective::Record, insignificant, poll, ..FitOptions::default() };
     fit(&Breaks, &data, &free, &options, &mut |_| ControlFlow::Continue(())).expect("a fit")
 }
 
@@ -60,4 +65,17 @@ fn what_is_left_below_the_limit_is_not_looked_over() {
     let above = 2.0 * stuck.f / POINTS as f64;
     let same = fitted(Some(Poll::each(above, 1)), 0.36);
     assert_eq!((same.theta, same.forward_runs), (stuck.theta, stuck.forward_runs));
+}
+
+/// Before a jump steps get shorter and shorter, and lower f, if by next to nothing.
+#[test]
+fn steps_that_creep_up_to_a_jump_are_no_end() {
+    let stuck = fitted_until(10.0, None, 0.5);
+    assert_eq!(stuck.stop, StopReason::Insignificant);
+    let out = fitted_until(10.0, Some(Poll::each(3.0, 1)), 0.5);
+    assert!(out.f < 0.7 * stuck.f && out.theta[0] > 1.0, "{} at {}", out.f, out.theta[0]);
+    // Where derivatives promise nothing more, steps that gain little are the end.
+    let near = fitted_until(10.0, Some(Poll::each(3.0, 1)), 0.305);
+    let alone = fitted_until(10.0, None, 0.305);
+    assert_eq!((near.theta, near.forward_runs), (alone.theta, alone.forward_runs));
 }

@@ -2,7 +2,7 @@
 
 use super::toys::{Toy, data, exponential, exponential_free, quiet, truth};
 use inverse::{
-    Data, Fit, FitError, FitOptions, Free, Mapped, MappedOptions, NoiseModel, PredictError, Prediction,
+    Data, Fit, FitError, FitOptions, Free, Mapped, MappedOptions, NoiseModel, Poll, PredictError, Prediction,
     Problem, Random, StopReason, fit_mapped,
 };
 use std::ops::ControlFlow;
@@ -134,6 +134,32 @@ fn without_a_cheap_model_the_expensive_one_searches_alone() {
     let direct =
         quiet(&Toy(40, exponential), &data, &free, &FitOptions { tolerance: 1e-12, ..FitOptions::default() });
     assert_eq!(end.theta, direct.theta);
+}
+
+/// A map that is worse wherever one goes is no sign that the expensive model has its optimum there.
+#[test]
+fn where_the_map_leads_nowhere_far_from_the_data_the_expensive_one_searches_alone() {
+    let (data, free) = (noisy(), exponential_free());
+    let jumps = |i: usize, p: &[f64]| {
+        let (v, d) = coarse(i, p);
+        (if p[1] == 1.0 { v } else { v + 1e3 }, d)
+    };
+    let end = |poll: Option<Poll>| {
+        let mut how = options();
+        how.outer.poll = poll;
+        let mut go = |_: &inverse::Iterate| ControlFlow::Continue(());
+        let mut watch = |_: &inverse::Iterate| ControlFlow::Continue(());
+        fit_mapped(&Toy(40, exponential), &Toy(40, jumps), &data, &free, &how, &mut go, &mut watch)
+            .expect("a fit")
+    };
+    let stays = end(None);
+    assert_eq!((stays.stop, stays.iterations), (StopReason::NoDescent, 0));
+    // What is left of the data is near enough, or it is not.
+    let left = stays.f / 40.0;
+    assert_eq!(end(Some(Poll::each(2.0 * left, 3))).theta, stays.theta);
+    let direct =
+        quiet(&Toy(40, exponential), &data, &free, &FitOptions { tolerance: 1e-12, ..FitOptions::default() });
+    assert_eq!(end(Some(Poll::each(0.5 * left, 3))).theta, direct.theta);
 }
 
 #[test]
