@@ -63,8 +63,8 @@ struct Rounds<'a> {
 
 /// Fits `expensive` from the start values of `free`; one run of it (with its jacobian) a round. `observer` hears of these
 /// runs, `watch` of those of the fits in between; either may end the fit. Where the cheap model cannot be computed at an
-/// anchor, or the map leads nowhere from one that is far from the data (`FitOptions::poll` of the whole says how far), the expensive one
-/// searches alone from there.
+/// anchor, or the map leads nowhere from one that is far from the data (`FitOptions::poll` of the whole says how far), the
+/// expensive one searches alone from there.
 ///
 /// # Errors
 /// [`FitError`] as [`fit`]'s.
