@@ -12,8 +12,9 @@ pub(crate) struct Course {
     pub control: StepControl,
     curvature: Curvature,
     pub last: Option<Last>,
-    /// Steps in a row that lowered f by less than the tolerance; by what does not count.
+    /// Steps in a row that lowered f by less than the tolerance.
     small: usize,
+    /// Steps in a row that lowered f by what does not count (`FitOptions::insignificant`).
     idle: usize,
 }
 
