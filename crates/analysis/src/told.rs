@@ -41,6 +41,10 @@ fn verdict(d: &Discovery, p: &PosteriorAnswer, laws: &[String]) -> String {
             format!("No effect is called for: that nothing is missing has a probability of {}.", percent(p.nothing))
         }
         Verdict::Explained => format!("Missing: {}. With it {fall}.", joined(&d.found, "and")),
+        Verdict::Ambiguous if d.groups.is_empty() => {
+            let names = joined(&d.undecided.iter().map(called).collect::<Vec<_>>(), "and");
+            format!("No effect is named: these records cannot tell whether {names} is missing, or nothing.")
+        }
         Verdict::Ambiguous => format!(
             "Missing: {}. These records cannot tell which; with {} {fall}.",
             names.join(", and "),

@@ -11,7 +11,7 @@ pub enum Verdict {
     NothingMissing,
     /// The effects found explain the record, and each can be told from every rival.
     Explained,
-    /// Explained, but the record cannot tell some effect from its look-alikes.
+    /// Explained, but the record cannot tell some effect from its look-alikes, or whether one acts at all.
     Ambiguous,
     /// Something is missing that the catalogue does not hold (or could not be fitted).
     Unexplained,
@@ -34,6 +34,8 @@ pub struct Discovery {
     pub found: Vec<String>,
     /// For each of `found`: itself and every effect that these records cannot tell from it.
     pub groups: Vec<Vec<String>>,
+    /// Effects that lead without being probable enough to be named, where none is.
+    pub undecided: Vec<String>,
     /// The answer.
     pub verdict: Verdict,
     /// Whether the user stopped the search.

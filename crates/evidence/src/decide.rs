@@ -5,7 +5,8 @@
 //! | an effect of the group acts | 0 | 4 | 1 | 1 |
 //! | it does not | 4 | 4 | 0 (nothing acts) | 1 |
 //!
-//! A group is named where 4 (1 − P) < 1, so P > ¾. A group is the smallest set of effects that holds 95 % of the mass.
+//! A group is named where 4 (1 − P) < 1, so P > ¾. A group is the smallest set of effects that holds 95 % of the mass. Where none is
+//! named, nothing is said to be missing only where that leads; else the answer is that the records cannot tell.
 
 use crate::posterior::{Posterior, SetProbability};
 use crate::remains::ExplainedTo;
@@ -25,7 +26,7 @@ pub enum Verdict {
     NothingMissing,
     /// Each effect stands alone in its group.
     Explained,
-    /// Some group holds several.
+    /// Some group holds several; or none is named, although it is not "nothing" that leads.
     Ambiguous,
     /// The rest is beyond practice, or most probably has a cause outside the catalogue.
     Unexplained,
@@ -38,8 +39,18 @@ pub struct Decision {
     pub found: Vec<String>,
     /// `groups[i]`: `found[i]`, then every effect that may stand in its place.
     pub groups: Vec<Vec<String>>,
+    /// Effects of the leading set where the records cannot tell whether any of them acts, so that none is named; else none.
+    pub undecided: Vec<String>,
     /// How it ends.
     pub verdict: Verdict,
+}
+
+impl Decision {
+    /// Where no model was weighed.
+    const fn nothing() -> Self {
+        let verdict = Verdict::NothingMissing;
+        Self { found: Vec::new(), groups: Vec::new(), undecided: Vec::new(), verdict }
+    }
 }
 
 fn total(s: &SetProbability) -> f64 {
@@ -92,8 +103,7 @@ fn holds(posterior: &Posterior, group: &[String]) -> f64 {
 
 /// The answer that costs least.
 pub fn decide(posterior: &Posterior, explained: ExplainedTo) -> Decision {
-    let none = Decision { found: Vec::new(), groups: Vec::new(), verdict: Verdict::NothingMissing };
-    let Some(leader) = posterior.leader() else { return none };
+    let Some(leader) = posterior.leader() else { return Decision::nothing() };
     let credible = credible(posterior);
     let mut effects = leader.effects.clone();
     let p = |e: &String| posterior.effects.get(e).copied().unwrap_or(0.0);
@@ -105,13 +115,14 @@ pub fn decide(posterior: &Posterior, explained: ExplainedTo) -> Decision {
         .collect();
     let found: Vec<String> = groups.iter().map(|g| g[0].clone()).collect();
     let beyond = explained == ExplainedTo::Not || posterior.something_else > 0.5;
+    let undecided = if found.is_empty() && !beyond { effects } else { Vec::new() };
     let verdict = match (beyond, found.is_empty(), groups.iter().all(|g| g.len() == 1)) {
         (true, ..) => Verdict::Unexplained,
-        (_, true, _) => Verdict::NothingMissing,
-        (_, _, true) => Verdict::Explained,
+        (_, true, _) if undecided.is_empty() => Verdict::NothingMissing,
+        (_, false, true) => Verdict::Explained,
         _ => Verdict::Ambiguous,
     };
-    Decision { found, groups, verdict }
+    Decision { found, groups, undecided, verdict }
 }
 
 #[cfg(test)]
@@ -152,12 +163,28 @@ mod tests {
         let tie = answer(&[(&["a"], 0.6, 0.0), (&["b"], 0.38, 0.0), (&[], 0.02, 0.0)]);
         assert_eq!(tie, (Verdict::Ambiguous, vec![vec!["a".into(), "b".into()]]));
         assert_eq!(answer(&[(&[], 0.9, 0.0), (&["a"], 0.1, 0.0)]), (Verdict::NothingMissing, vec![]));
-        // Neither is safe enough to be named.
-        assert_eq!(answer(&[(&["a"], 0.6, 0.0), (&[], 0.4, 0.0)]), (Verdict::NothingMissing, vec![]));
+        // Not safe enough to be named, nor is it nothing that leads.
+        assert_eq!(answer(&[(&["a"], 0.6, 0.0), (&[], 0.4, 0.0)]), (Verdict::Ambiguous, vec![]));
         let two = answer(&[(&["a", "b"], 0.7, 0.0), (&["a", "c"], 0.28, 0.0), (&["a"], 0.02, 0.0)]);
         assert_eq!(two, (Verdict::Ambiguous, vec![vec!["a".into()], vec!["b".into(), "c".into()]]));
         let other = answer(&[(&["a"], 0.1, 0.8), (&[], 0.0, 0.1)]);
         assert_eq!(other, (Verdict::Unexplained, vec![vec!["a".into()]]));
+    }
+
+    #[test]
+    fn what_leads_without_being_safe_to_name_is_undecided() {
+        let undecided = |sets: &[(&[&str], f64, f64)], explained| {
+            let d = decide(&posterior(sets), explained);
+            (d.undecided, d.verdict)
+        };
+        let open: &[(&[&str], f64, f64)] = &[(&["a"], 0.6, 0.0), (&[], 0.4, 0.0)];
+        assert_eq!(undecided(open, ExplainedTo::Practice), (vec!["a".into()], Verdict::Ambiguous));
+        // Beyond practice something is missing, whatever it is.
+        assert_eq!(undecided(open, ExplainedTo::Not), (vec![], Verdict::Unexplained));
+        let named: &[(&[&str], f64, f64)] = &[(&["a"], 0.97, 0.0), (&[], 0.03, 0.0)];
+        assert_eq!(undecided(named, ExplainedTo::Noise), (vec![], Verdict::Explained));
+        let nothing: &[(&[&str], f64, f64)] = &[(&[], 0.45, 0.0), (&["a"], 0.3, 0.0), (&["b"], 0.25, 0.0)];
+        assert_eq!(undecided(nothing, ExplainedTo::Noise), (vec![], Verdict::NothingMissing));
     }
 
     /// `b` is but a second effect beside `a`; that `a` may be the likeness of an unknown cause, with `b` beside it, puts `b` in nobody's

@@ -188,6 +188,7 @@ fn a_camera_on_the_edges_tells_compliance_from_slack() {
         screen,
         found: rivals[..1].to_vec(),
         groups: vec![rivals.to_vec()],
+        undecided: Vec::new(),
         verdict: diagnose::Verdict::Ambiguous,
         interrupted: false,
     };

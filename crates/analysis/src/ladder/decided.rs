@@ -89,6 +89,7 @@ impl FeLadder<'_> {
             last_screen: self.screens.get(&top).cloned().unwrap_or_else(|| screen_at(&[])),
             found: decision.found,
             groups: decision.groups,
+            undecided: decision.undecided,
             verdict: match decision.verdict {
                 evidence::Verdict::NothingMissing => Verdict::NothingMissing,
                 evidence::Verdict::Explained => Verdict::Explained,

@@ -41,6 +41,9 @@ pub fn cause(v: &View) -> (bool, String) {
             || "The run has no answer.".to_owned(),
             |_| format!("The search named {}.", if named.is_empty() { "nothing" } else { named.as_str() }),
         ),
+        (true, "ambiguous") if searched && named.is_empty() => {
+            "The base model explains the records; whether an effect is missing, they cannot tell.".to_owned()
+        }
         (true, "ambiguous") if searched => {
             format!(
                 "{named} explains the records; which of the names that stand together it is, these records cannot tell."

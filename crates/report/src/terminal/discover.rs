@@ -63,7 +63,7 @@ pub fn discover(answer: &Value, style: Style) -> String {
     let _ = writeln!(out, "{}", wrap(MARKS, style.width, 0));
     places(answer, style, &mut out);
     if let Some(next) = answer.get("next_test").filter(|n| !n.is_null()) {
-        let rivals = list(next, "separates").join(", ");
+        let rivals = list(next, "separates").join(" from ");
         let power = number(next, "expected_power")
             .map_or_else(String::new, |p| format!(" (simulated: told apart with a chance of {})", chance(p)));
         let line = format!("To separate {rivals}: {}{power}", text(next, "proposal"));

@@ -55,29 +55,46 @@ pub struct NextTest {
     pub tried: Vec<Tried>,
 }
 
+/// What a rival of an effect is called where it is that nothing acts.
+const NOTHING: &str = "nothing";
+
+/// A model that may be the truth.
+struct Rival<'a> {
+    name: String,
+    /// Its effects, sorted.
+    effects: Vec<String>,
+    fit: &'a Fitted,
+}
+
+impl Rival<'_> {
+    /// Whether all effects of another one are its own, too.
+    fn holds(&self, other: &Self) -> bool {
+        other.effects.iter().all(|e| self.effects.contains(e))
+    }
+}
+
+/// Names that these records cannot tell apart, and those of them that were fitted.
+struct Rivals<'a> {
+    names: Vec<String>,
+    models: Vec<Rival<'a>>,
+}
+
 /// What a rival says of an addition: its forces there, and their derivatives.
 struct Predicted(Vec<(Data, Prediction)>);
 
 impl FeLadder<'_> {
-    /// What separates the members of the first group with rivals: simulated, or, where nothing helps or nothing could be
-    /// simulated, what the effect's card says.
+    /// What separates the members of the first group with rivals, or, where no effect is named, the leading one from nothing:
+    /// simulated, or, where nothing helps or nothing could be simulated, what the effect's card says.
     pub fn next_test(&self, d: &Discovery) -> Option<NextTest> {
-        let at = d.groups.iter().position(|g| g.len() > 1)?;
-        let group = &d.groups[at];
+        let Rivals { names, models } = self.in_a_group(d).or_else(|| self.undecided(d))?;
         self.cancelled.phase(Phase::NextTest);
-        let with = |e: &String| {
-            let mut effects = d.found.clone();
-            effects[at].clone_from(e);
-            self.fitted_models.get(&Self::key(&effects)).map(|f| (e.clone(), f))
-        };
-        let rivals: Vec<(String, &Fitted)> = group.iter().filter_map(with).take(MOST_RIVALS).collect();
-        let tried = if rivals.len() > 1 { self.powers(&rivals) } else { Vec::new() };
+        let tried = if models.len() > 1 { self.powers(&models) } else { Vec::new() };
         let best = tried.first().filter(|t| t.expected_power >= WORTHWHILE).cloned();
-        let card = self.catalogue.get(&group[0])?.card().separated_by;
+        let card = self.catalogue.get(&names[0])?.card().separated_by;
         Some(match best {
             Some(t) => NextTest {
                 proposal: t.proposal,
-                separates: rivals.into_iter().map(|r| r.0).collect(),
+                separates: models.into_iter().map(|r| r.name).collect(),
                 expected_power: Some(t.expected_power),
                 basis: format!(
                     "simulated at the fitted rivals with the records' noise, {} additions in all",
@@ -87,7 +104,7 @@ impl FeLadder<'_> {
             },
             None => NextTest {
                 proposal: card.to_owned(),
-                separates: group.clone(),
+                separates: names,
                 expected_power: None,
                 basis: match tried.first() {
                     Some(t) => format!(
@@ -102,11 +119,37 @@ impl FeLadder<'_> {
         })
     }
 
+    /// The first group with several effects.
+    fn in_a_group(&self, d: &Discovery) -> Option<Rivals<'_>> {
+        let at = d.groups.iter().position(|g| g.len() > 1)?;
+        let with = |e: &String| {
+            let mut effects = d.found.clone();
+            effects[at].clone_from(e);
+            self.rival(e, &effects)
+        };
+        let models = d.groups[at].iter().filter_map(with).take(MOST_RIVALS).collect();
+        Some(Rivals { names: d.groups[at].clone(), models })
+    }
+
+    /// The most probable effect that is not named, and nothing.
+    fn undecided(&self, d: &Discovery) -> Option<Rivals<'_>> {
+        let (first, nothing) = (d.undecided.first()?, NOTHING.to_owned());
+        let models = [(first, std::slice::from_ref(first)), (&nothing, &[])];
+        let models = models.into_iter().filter_map(|(name, effects)| self.rival(name, effects)).collect();
+        Some(Rivals { names: vec![first.clone(), nothing], models })
+    }
+
+    fn rival(&self, name: &str, effects: &[String]) -> Option<Rival<'_>> {
+        let key = Self::key(effects);
+        let fit = self.fitted_models.get(&key)?;
+        Some(Rival { name: name.to_owned(), effects: key, fit })
+    }
+
     /// All additions that can be simulated: the cheapest with enough power, then by power.
-    fn powers(&self, rivals: &[(String, &Fitted)]) -> Vec<Tried> {
+    fn powers(&self, rivals: &[Rival]) -> Vec<Tried> {
         (self.progress)("what would tell the rivals apart: simulating additions to the protocol");
         let one = |x: &Extension| {
-            let said: Option<Vec<Predicted>> = rivals.par_iter().map(|r| self.said(r.1, x)).collect();
+            let said: Option<Vec<Predicted>> = rivals.par_iter().map(|r| self.said(r.fit, x)).collect();
             // No better known than to a part in a thousand.
             let least = (1e3 * self.least_power(rivals, &said?)).round() / 1e3;
             Some(Tried { proposal: x.words.clone(), seconds: x.seconds, expected_power: least })
@@ -123,12 +166,13 @@ impl FeLadder<'_> {
         tried
     }
 
-    /// The least power over all pairs, either of which may be the truth.
-    fn least_power(&self, rivals: &[(String, &Fitted)], said: &[Predicted]) -> f64 {
+    /// The least power over all pairs, either of which may be the truth, unless it is a part of the other: that can say whatever its
+    /// part says.
+    fn least_power(&self, rivals: &[Rival], said: &[Predicted]) -> f64 {
         let mut least = 1.0f64;
-        for (i, truth) in said.iter().enumerate() {
-            for (j, rival) in said.iter().enumerate().filter(|(j, _)| *j != i) {
-                least = least.min(power(self.lambda(truth, rival, rivals[j].1), self.policy.separate_chi2));
+        for (truth, true_said) in rivals.iter().zip(said) {
+            for (rival, its) in rivals.iter().zip(said).filter(|(r, _)| !r.holds(truth)) {
+                least = least.min(power(self.lambda(true_said, its, rival.fit), self.policy.separate_chi2));
             }
         }
         least

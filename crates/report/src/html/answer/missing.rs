@@ -37,6 +37,7 @@ pub(super) fn card(v: &View) -> Card {
         _ if is_screen(v) && v.fitted_models.len() < 2 => {
             format!("The screen points to {}", escape(&groups(d).join(", and ")))
         }
+        "ambiguous" if found.is_empty() => "These records cannot tell".to_owned(),
         "unexplained" if found.is_empty() => "Something the catalogue does not hold".to_owned(),
         "unexplained" => format!("More than {}", escape(&groups(d).join(", and "))),
         _ => escape(&groups(d).join(", and ")),

@@ -18,6 +18,9 @@ pub(super) fn card(v: &View) -> Card {
             }
             _ if is_screen(v) && v.fitted_models.len() < 2 => "A screen: nothing was refitted yet".into(),
             _ if is_screen(v) => "One model was refitted, its rivals were not".into(),
+            ("ambiguous", true) if list(d, "found").is_empty() => {
+                "Neither that an effect is missing, nor that none is".into()
+            }
             ("ambiguous", _) | (_, false) => "These records cannot tell rivals apart".into(),
             ("unexplained", _) => "Sure that something is missing".into(),
             ("nothing_missing", _) => "Nothing in the catalogue would help".into(),
