@@ -125,3 +125,36 @@ fn digits(x: f64) -> usize {
     let place = 1.0 - x.abs().log10().floor();
     place.clamp(0.0, 9.0) as usize
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use evidence::{Judged, Posterior, SetPrior};
+
+    /// An effect that leads without being safe to name is told as what it is: neither a name nor nothing.
+    #[test]
+    fn what_is_undecided_is_not_told_as_nothing_missing() {
+        let names = [vec![], vec!["compliance".to_owned()]];
+        let models = [0.0, 4.0].iter().zip(&names).map(|(z, e)| Judged::from_numbers(e, *z, -99.0));
+        let posterior = Posterior::of(&models.collect::<Vec<_>>(), &SetPrior::of_catalogue(20));
+        let decision = evidence::decide(&posterior, evidence::ExplainedTo::Practice);
+        assert_eq!(decision.undecided, ["compliance"]);
+        let d = Discovery {
+            ladder: Vec::new(),
+            tried: Vec::new(),
+            failed: Vec::new(),
+            screen: diagnose::Screen::default(),
+            last_screen: diagnose::Screen::default(),
+            found: decision.found,
+            groups: decision.groups,
+            undecided: decision.undecided,
+            verdict: Verdict::Ambiguous,
+            interrupted: false,
+        };
+        let said = verdict(&d, &posterior.into(), &[]);
+        assert_eq!(
+            said,
+            "No effect is named: these records cannot tell whether compliance is missing, or nothing."
+        );
+    }
+}

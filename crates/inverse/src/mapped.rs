@@ -183,7 +183,10 @@ impl Rounds<'_> {
     fn alone(self, observer: Observer) -> Result<Fit, FitError> {
         let start = |(f, &start): (&Free, &f64)| Free { start, ..f.clone() };
         let from: Vec<Free> = self.free.iter().zip(&self.at.theta).map(start).collect();
-        let last = fit(self.expensive, self.data, &from, &self.options.outer, observer)?;
+        let outer = &self.options.outer;
+        let left = outer.max_iterations.saturating_sub(self.rounds);
+        let options = FitOptions { max_iterations: left, ..outer.clone() };
+        let last = fit(self.expensive, self.data, &from, &options, observer)?;
         let history = self.history.into_iter().chain(last.history).collect();
         let (iterations, forward_runs) = (self.rounds + last.iterations, self.runs + last.forward_runs);
         Ok(Fit { iterations, forward_runs, history, ..last })

@@ -162,6 +162,35 @@ fn where_the_map_leads_nowhere_far_from_the_data_the_expensive_one_searches_alon
     assert_eq!(end(Some(Poll::each(0.5 * left, 3))).theta, direct.theta);
 }
 
+/// A cheap model that cannot be computed any more after some runs: what is left of the iterations is for the expensive one.
+#[test]
+fn rounds_and_what_follows_them_alone_are_no_more_than_the_whole() {
+    struct Until(usize, AtomicUsize);
+    impl Problem for Until {
+        fn predict(&self, theta: &[f64], jacobian: bool) -> Result<Prediction, PredictError> {
+            if self.1.fetch_add(1, Ordering::Relaxed) < self.0 {
+                return Toy(40, coarse).predict(theta, jacobian);
+            }
+            Err(PredictError::NotComputable("no more".into()))
+        }
+    }
+    let (data, free) = (noisy(), exponential_free());
+    let mut how = options();
+    how.outer.max_iterations = 3;
+    how.inner.max_iterations = 2;
+    let mut fits = Vec::new();
+    for runs in 0..20 {
+        let (mut go, mut watch) = (
+            |_: &inverse::Iterate| ControlFlow::Continue(()),
+            |_: &inverse::Iterate| ControlFlow::Continue(()),
+        );
+        let cheap = Until(runs, AtomicUsize::new(0));
+        let fit = fit_mapped(&Toy(40, exponential), &cheap, &data, &free, &how, &mut go, &mut watch);
+        fits.push(fit.expect("a fit").iterations);
+    }
+    assert!(fits.iter().all(|n| *n <= 3) && fits.contains(&3), "{fits:?}");
+}
+
 #[test]
 fn who_watches_may_stop_it() {
     let (data, free) = (noisy(), exponential_free());

@@ -61,16 +61,7 @@ const NOTHING: &str = "nothing";
 /// A model that may be the truth.
 struct Rival<'a> {
     name: String,
-    /// Its effects, sorted.
-    effects: Vec<String>,
     fit: &'a Fitted,
-}
-
-impl Rival<'_> {
-    /// Whether all effects of another one are its own, too.
-    fn holds(&self, other: &Self) -> bool {
-        other.effects.iter().all(|e| self.effects.contains(e))
-    }
 }
 
 /// Names that these records cannot tell apart, and those of them that were fitted.
@@ -140,9 +131,8 @@ impl FeLadder<'_> {
     }
 
     fn rival(&self, name: &str, effects: &[String]) -> Option<Rival<'_>> {
-        let key = Self::key(effects);
-        let fit = self.fitted_models.get(&key)?;
-        Some(Rival { name: name.to_owned(), effects: key, fit })
+        let fit = self.fitted_models.get(&Self::key(effects))?;
+        Some(Rival { name: name.to_owned(), fit })
     }
 
     /// All additions that can be simulated: the cheapest with enough power, then by power.
@@ -166,13 +156,12 @@ impl FeLadder<'_> {
         tried
     }
 
-    /// The least power over all pairs, either of which may be the truth, unless it is a part of the other: that can say whatever its
-    /// part says.
+    /// The least power over all pairs, either of which may be the truth.
     fn least_power(&self, rivals: &[Rival], said: &[Predicted]) -> f64 {
         let mut least = 1.0f64;
-        for (truth, true_said) in rivals.iter().zip(said) {
-            for (rival, its) in rivals.iter().zip(said).filter(|(r, _)| !r.holds(truth)) {
-                least = least.min(power(self.lambda(true_said, its, rival.fit), self.policy.separate_chi2));
+        for (i, truth) in said.iter().enumerate() {
+            for (j, rival) in said.iter().enumerate().filter(|(j, _)| *j != i) {
+                least = least.min(power(self.lambda(truth, rival, rivals[j].fit), self.policy.separate_chi2));
             }
         }
         least
@@ -236,5 +225,46 @@ impl FeLadder<'_> {
         let block = self.measured.slots.iter().position(mine)?;
         let noise = &self.measured.data.blocks[block].noise;
         Some(NoiseModel::ar1(noise.sd, noise.ar1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ladder::tests::{unexplained, unheard};
+    use diagnose::{Screen, Verdict};
+
+    fn undecided(effects: &[&str]) -> Discovery {
+        Discovery {
+            ladder: Vec::new(),
+            tried: Vec::new(),
+            failed: Vec::new(),
+            screen: Screen::default(),
+            last_screen: Screen::default(),
+            found: Vec::new(),
+            groups: Vec::new(),
+            undecided: effects.iter().map(|e| (*e).to_owned()).collect(),
+            verdict: Verdict::Ambiguous,
+            interrupted: false,
+        }
+    }
+
+    /// An effect that may act is told from nothing by what the base model would miss of it, and it of the base.
+    #[test]
+    fn an_undecided_effect_is_told_from_nothing() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let catalogue = effects::catalogue();
+        let mut ladder = FeLadder::weighing(Arc::new(unexplained(folder.path())), unheard(&catalogue))
+            .expect("a base fit");
+        ladder.columns_at(&[]).expect("columns");
+        ladder.fit_sets(&[vec!["drift".to_owned()]]).expect("fits");
+        let next = ladder.next_test(&undecided(&["drift"])).expect("a proposal");
+        assert_eq!(next.separates, ["drift", NOTHING]);
+        let best = next.tried.first().expect("additions").expected_power;
+        assert!(best > 0.5, "{:?}", next.tried);
+        // Of one that was not fitted the card speaks.
+        let next = ladder.next_test(&undecided(&["lag"])).expect("a proposal");
+        assert!(next.tried.is_empty() && next.separates == ["lag", NOTHING], "{next:?}");
+        assert!(ladder.next_test(&undecided(&[])).is_none());
     }
 }
