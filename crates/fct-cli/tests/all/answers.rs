@@ -119,5 +119,36 @@ fn discover_names_what_is_hidden() -> Tested {
     assert!(out.status.success());
     let page = fs::read_to_string(here.join("search/report.html"))?;
     assert!(page.contains("drift") && page.contains("Is the model good enough?"));
+    undecided_on_the_page(here, found)
+}
+
+/// The same run as if drift led without being probable enough to be named: page and terminal say so, and name nothing.
+fn undecided_on_the_page(here: &Path, mut answer: Value) -> Tested {
+    let base = answer["ladder"][0].clone();
+    answer["ladder"] = Value::Array(vec![base]);
+    for (key, value) in
+        [("verdict", "ambiguous".into()), ("found", Value::Array(vec![])), ("groups", Value::Array(vec![]))]
+    {
+        answer[key] = value;
+    }
+    answer["next_test"] = serde_json::json!({
+        "proposal": "a hold of 300 s, and on", "separates": ["drift", "nothing"], "basis": "the effect's card", "tried": []
+    });
+    fs::write(here.join("search/summary.json"), serde_json::to_vec(&answer)?)?;
+    let rungs = fs::read_dir(here.join("search/rungs"))?.filter_map(Result::ok).map(|e| e.path());
+    for rung in rungs.filter(|r| !r.ends_with("0")) {
+        fs::remove_dir_all(rung)?;
+    }
+    let out = fct(here, &["report", "search"])?;
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    let page = fs::read_to_string(here.join("search/report.html"))?;
+    for said in [
+        "whether an effect is missing, they cannot tell",
+        "These records cannot tell",
+        "Neither that an effect is missing, nor that none is",
+        "Separate drift from nothing",
+    ] {
+        assert!(page.contains(said), "{said}");
+    }
     Ok(())
 }

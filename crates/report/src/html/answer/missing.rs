@@ -34,7 +34,7 @@ pub(super) fn card(v: &View) -> Card {
     let head = match verdict(v) {
         "nothing_missing" if explained(v) => "Nothing that shows".to_owned(),
         "nothing_missing" => "Nothing that the screen calls for".to_owned(),
-        _ if is_screen(v) && v.fitted_models.len() < 2 => {
+        _ if is_screen(v) && v.fitted_models.len() < 2 && !found.is_empty() => {
             format!("The screen points to {}", escape(&groups(d).join(", and ")))
         }
         "ambiguous" if found.is_empty() => "These records cannot tell".to_owned(),
