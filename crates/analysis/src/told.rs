@@ -129,6 +129,7 @@ fn digits(x: f64) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ladder::tests::undecided;
     use evidence::{Judged, Posterior, SetPrior};
 
     /// An effect that leads without being safe to name is told as what it is: neither a name nor nothing.
@@ -139,19 +140,8 @@ mod tests {
         let posterior = Posterior::of(&models.collect::<Vec<_>>(), &SetPrior::of_catalogue(20));
         let decision = evidence::decide(&posterior, evidence::ExplainedTo::Practice);
         assert_eq!(decision.undecided, ["compliance"]);
-        let d = Discovery {
-            ladder: Vec::new(),
-            tried: Vec::new(),
-            failed: Vec::new(),
-            screen: diagnose::Screen::default(),
-            last_screen: diagnose::Screen::default(),
-            found: decision.found,
-            groups: decision.groups,
-            undecided: decision.undecided,
-            verdict: Verdict::Ambiguous,
-            interrupted: false,
-        };
-        let said = verdict(&d, &posterior.into(), &[]);
+        let leads: Vec<&str> = decision.undecided.iter().map(String::as_str).collect();
+        let said = verdict(&undecided(&leads), &posterior.into(), &[]);
         assert_eq!(
             said,
             "No effect is named: these records cannot tell whether compliance is missing, or nothing."

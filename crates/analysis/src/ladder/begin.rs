@@ -207,15 +207,13 @@ fn off_bounds(of: &Fitted, model: &Model, theta: &mut [f64]) -> bool {
 mod tests {
     use super::*;
     use crate::ladder::catalogue::Now;
-    use crate::ladder::tests::{unexplained, unheard};
+    use crate::ladder::tests::unexplained;
 
     /// What misses the records by far, wherever it stood, goes to where `identify` of its model ends on the file's mesh.
     #[test]
     fn what_misses_by_far_is_taken_to_where_identify_ends() {
-        let folder = tempfile::tempdir().expect("a folder");
         let catalogue = effects::catalogue();
-        let mut ladder = FeLadder::weighing(Arc::new(unexplained(folder.path())), unheard(&catalogue))
-            .expect("a base fit");
+        let mut ladder = unexplained(&catalogue);
         let identified = ladder.shown(&[]).expect("a base model").fit.f;
         let mut astray = ladder.fitted_models.remove(&Vec::new()).expect("a base fit");
         astray.fit.f = f64::INFINITY;
@@ -233,10 +231,8 @@ mod tests {
     /// Of the fits that ended worse than the base, those that did so clearly begin once more, where the base leaves more than noise.
     #[test]
     fn what_ended_clearly_worse_than_the_base_begins_once_more() {
-        let folder = tempfile::tempdir().expect("a folder");
         let catalogue = effects::catalogue();
-        let mut ladder = FeLadder::weighing(Arc::new(unexplained(folder.path())), unheard(&catalogue))
-            .expect("a base fit");
+        let mut ladder = unexplained(&catalogue);
         let sets = ["compliance", "drift"].map(|e| vec![e.to_owned()]);
         ladder.columns_at(&[]).expect("columns");
         ladder.fit_sets(&sets).expect("fits");

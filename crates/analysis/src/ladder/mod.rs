@@ -17,7 +17,7 @@ mod neutral;
 pub(crate) mod next_test;
 mod settle;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use adds::Adds;
 pub use decided::Weighed;

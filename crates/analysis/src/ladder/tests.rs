@@ -1,9 +1,11 @@
 //! What tests of the ladder share.
 
+use super::FeLadder;
 use crate::LadderSettings;
-use input::Case;
+use diagnose::{Discovery, Screen, Verdict};
 use model::Catalogue;
 use std::fmt::Write as _;
+use std::sync::Arc;
 
 /// A search that nobody hears of, stops or keeps.
 pub(super) fn unheard(catalogue: &Catalogue) -> LadderSettings<'_> {
@@ -16,8 +18,10 @@ pub(super) fn unheard(catalogue: &Catalogue) -> LadderSettings<'_> {
     }
 }
 
-/// A tear whose unloading follows a curve of its own: no base model explains it.
-pub(super) fn unexplained(folder: &std::path::Path) -> Case {
+/// The base model's fit to a tear whose unloading follows a curve of its own, which no base model explains.
+pub(super) fn unexplained(catalogue: &Catalogue) -> FeLadder<'_> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
     let mut rows = String::from("time_s,displacement_mm,force_N\n");
     for k in 0..60 {
         let t = f64::from(k);
@@ -31,5 +35,22 @@ pub(super) fn unexplained(folder: &std::path::Path) -> Case {
                 [bulk]\nmu_kPa = 6.0\nk2 = 8.0\ngamma_deg = 42.0\nkappa = 0.2\n";
     std::fs::write(folder.join("tearing.csv"), rows).expect("a record");
     std::fs::write(folder.join("c.toml"), text).expect("a config");
-    input::read_case(&folder.join("c.toml"), &effects::catalogue()).unwrap_or_else(|e| panic!("{e}"))
+    let case = input::read_case(&folder.join("c.toml"), catalogue).expect("a case");
+    FeLadder::weighing(Arc::new(case), unheard(catalogue)).expect("a base fit")
+}
+
+/// An answer without a name, in which these effects lead.
+pub(crate) fn undecided(effects: &[&str]) -> Discovery {
+    Discovery {
+        ladder: Vec::new(),
+        tried: Vec::new(),
+        failed: Vec::new(),
+        screen: Screen::default(),
+        last_screen: Screen::default(),
+        found: Vec::new(),
+        groups: Vec::new(),
+        undecided: effects.iter().map(|e| (*e).to_owned()).collect(),
+        verdict: Verdict::Ambiguous,
+        interrupted: false,
+    }
 }

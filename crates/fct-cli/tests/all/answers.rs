@@ -87,6 +87,17 @@ fn the_loop_one_command_after_the_other() -> Tested {
 
     answer(here, &["drop", "drift", "more.toml", "--out", "less.toml"])?;
     assert!(!fs::read_to_string(here.join("less.toml"))?.contains("drift"));
+    // A screen that calls for nothing points to nothing.
+    for verdict in ["ambiguous", "unexplained"] {
+        rewritten(&here.join("base"), "diagnosis.json", |said| {
+            said["verdict"] = verdict.into();
+            said["found"] = Value::Array(vec![]);
+            said["groups"] = Value::Array(vec![]);
+        })?;
+        assert!(fct(here, &["report", "base"])?.status.success());
+        let page = fs::read_to_string(here.join("base/report.html"))?;
+        assert!(!page.contains("points to <") && !page.contains("points to ."), "{verdict}");
+    }
     Ok(())
 }
 
@@ -124,22 +135,15 @@ fn discover_names_what_is_hidden() -> Tested {
 
 /// The same run as if drift led without being probable enough to be named: the page says so, and names nothing.
 fn undecided_on_the_page(here: &Path) -> Tested {
-    let (file, manifest) = (here.join("search/summary.json"), here.join("search/manifest.json"));
-    let before = fs::read(&file)?;
-    let mut answer: Value = serde_json::from_slice(&before)?;
-    answer["ladder"] = Value::Array(vec![answer["ladder"][0].clone()]);
-    answer["verdict"] = "ambiguous".into();
-    answer["found"] = Value::Array(vec![]);
-    answer["groups"] = Value::Array(vec![]);
-    answer["next_test"] = serde_json::json!({
-        "proposal": "a hold of 300 s, and on", "separates": ["drift", "nothing"], "basis": "the effect's card", "tried": []
-    });
-    let after = serde_json::to_vec(&answer)?;
-    fs::write(&file, &after)?;
-    let listed = fs::read_to_string(&manifest)?;
-    let [old, new] = [before, after].map(|bytes| input::sha256(&bytes));
-    assert!(listed.contains(&old));
-    fs::write(&manifest, listed.replace(&old, &new))?;
+    rewritten(&here.join("search"), "summary.json", |answer| {
+        answer["ladder"] = Value::Array(vec![answer["ladder"][0].clone()]);
+        answer["verdict"] = "ambiguous".into();
+        answer["found"] = Value::Array(vec![]);
+        answer["groups"] = Value::Array(vec![]);
+        answer["next_test"] = serde_json::json!({
+            "proposal": "a hold of 300 s, and on", "separates": ["drift", "nothing"], "basis": "the effect's card"
+        });
+    })?;
     let out = fct(here, &["report", "search"])?;
     assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
     let page = fs::read_to_string(here.join("search/report.html"))?;
@@ -151,5 +155,20 @@ fn undecided_on_the_page(here: &Path) -> Tested {
     ] {
         assert!(page.contains(said), "{said}");
     }
+    Ok(())
+}
+
+/// Changes a file of a stored run, and the manifest with it.
+fn rewritten(run: &Path, name: &str, change: impl FnOnce(&mut Value)) -> Tested {
+    let (file, manifest) = (run.join(name), run.join("manifest.json"));
+    let before = fs::read(&file)?;
+    let mut value: Value = serde_json::from_slice(&before)?;
+    change(&mut value);
+    let after = serde_json::to_vec(&value)?;
+    fs::write(&file, &after)?;
+    let listed = fs::read_to_string(&manifest)?;
+    let [old, new] = [before, after].map(|bytes| input::sha256(&bytes));
+    assert!(listed.contains(&old));
+    fs::write(&manifest, listed.replace(&old, &new))?;
     Ok(())
 }

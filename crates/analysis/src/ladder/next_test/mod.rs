@@ -231,31 +231,13 @@ impl FeLadder<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ladder::tests::{unexplained, unheard};
-    use diagnose::{Screen, Verdict};
-
-    fn undecided(effects: &[&str]) -> Discovery {
-        Discovery {
-            ladder: Vec::new(),
-            tried: Vec::new(),
-            failed: Vec::new(),
-            screen: Screen::default(),
-            last_screen: Screen::default(),
-            found: Vec::new(),
-            groups: Vec::new(),
-            undecided: effects.iter().map(|e| (*e).to_owned()).collect(),
-            verdict: Verdict::Ambiguous,
-            interrupted: false,
-        }
-    }
+    use crate::ladder::tests::{undecided, unexplained};
 
     /// An effect that may act is told from nothing by what the base model would miss of it, and it of the base.
     #[test]
     fn an_undecided_effect_is_told_from_nothing() {
-        let folder = tempfile::tempdir().expect("a folder");
         let catalogue = effects::catalogue();
-        let mut ladder = FeLadder::weighing(Arc::new(unexplained(folder.path())), unheard(&catalogue))
-            .expect("a base fit");
+        let mut ladder = unexplained(&catalogue);
         ladder.columns_at(&[]).expect("columns");
         ladder.fit_sets(&[vec!["drift".to_owned()]]).expect("fits");
         let next = ladder.next_test(&undecided(&["drift"])).expect("a proposal");
