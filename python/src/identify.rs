@@ -125,6 +125,7 @@ pub fn discover(
         let (note, stops, meter) = (|s: &str| wire.tell(s), || wire.stops(), Meter::new(true));
         let metered = Metered::new(&stops, &meter);
         let mut found = analysis::discover(case.clone(), &catalogue, &note, &metered, &NoJournal)?;
+        let case = found.case.clone();
         let one = analysis::one_strength(&case, &catalogue, &found, &note, &metered, &NoJournal);
         found.one_strength = one.unwrap_or_else(|why| {
             wire.tell(format!("one strength along the path could not be tried: {why}"));

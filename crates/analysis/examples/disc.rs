@@ -1,7 +1,7 @@
 //! The search for what is missing, with every model that it weighed: `cargo run --release -p analysis --example disc -- FILE…`
 //! (`V=1`: what it does, as it does it).
 
-use analysis::{AnalysisError, FeLadder, LadderSettings, Meter, Metered, NoJournal, Weighed};
+use analysis::{FeLadder, LadderSettings, Meter, Metered, NoJournal, Weighed};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -32,8 +32,11 @@ fn main() {
             cancelled: &metered,
             journal: &NoJournal,
         };
-        match search(case, how) {
-            Ok((weighed, ladder)) => show(&path, &weighed, &ladder),
+        match FeLadder::searched(Arc::new(case), how) {
+            Ok(s) => {
+                show(&path, &s.weighed, &s.ladder);
+                s.left_out.iter().for_each(|l| println!("   without {l:?}"));
+            }
             Err(why) => println!("== {path}: {why}"),
         }
         for p in meter.spent() {
@@ -47,11 +50,6 @@ fn main() {
             );
         }
     }
-}
-
-fn search(case: input::Case, how: LadderSettings) -> Result<(Weighed, FeLadder), AnalysisError> {
-    let mut ladder = FeLadder::weighing(Arc::new(case), how)?;
-    Ok((ladder.weighed()?, ladder))
 }
 
 fn show(path: &str, weighed: &Weighed, ladder: &FeLadder) {

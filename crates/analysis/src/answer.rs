@@ -5,7 +5,7 @@ use crate::cost::PhaseCost;
 use crate::identify::AnalysisError;
 use crate::journal::{Journal, Recent};
 use crate::ladder::laws::other_laws;
-use crate::ladder::{Adds, FeLadder, LadderSettings, NextTest, Weighed};
+use crate::ladder::{Adds, FeLadder, LadderSettings, LeftOut, NextTest, Searched, Weighed};
 use crate::law_names::LawNames;
 use crate::parsimony::OneStrength;
 use crate::probable::{Left, PosteriorAnswer};
@@ -117,6 +117,9 @@ pub struct DiscoverAnswer {
     pub one_strength: Option<OneStrength>,
     /// What would separate the rivals.
     pub next_test: Option<NextTest>,
+    /// Stretches that the search left out because no model met them (discover only).
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<LeftOut>,
     /// Forward runs.
     pub forward_runs: usize,
     /// Wall time, s.
@@ -126,6 +129,9 @@ pub struct DiscoverAnswer {
     /// What each effect would add to the base model's forces; a table of its own in the run directory.
     #[serde(skip)]
     pub adds: Adds,
+    /// The case that was searched: as given, or with weights of zero on what was left out.
+    #[serde(skip)]
+    pub case: Arc<Case>,
 }
 
 fn screen_rows(screen: &Screen, policy: &Policy, catalogue: &Catalogue) -> Vec<ScreenRow> {
@@ -210,19 +216,25 @@ pub fn diagnose(
     let policy = Policy::default();
     let recent = Recent::new(journal);
     let how = LadderSettings { catalogue, policy: policy.clone(), progress, cancelled, journal: &recent };
-    let mut ladder = FeLadder::weighing(case, how)?;
+    let mut ladder = FeLadder::weighing(case.clone(), how)?;
     let weighed = ladder.weighed_by_columns()?;
     let mut words = vec![compare::place_in_words(&compare::residuals_of(&ladder))];
     words.extend(told::probabilities(&weighed.probable));
     words.push(
         "These are probabilities by derivatives at this model: `fct discover` fits the effects before it names one.".into(),
     );
-    Ok(DiscoverAnswer { ladder: Vec::new(), words, ..answer(&ladder, weighed, start, &policy) })
+    Ok(DiscoverAnswer { ladder: Vec::new(), words, ..answer(&ladder, weighed, case, start, &policy) })
 }
 
 /// What a screen and a search say alike: the case, the screen, where the base model is off, the cost.
-fn answer(ladder: &FeLadder, weighed: Weighed, start: Instant, policy: &Policy) -> DiscoverAnswer {
-    let (case, Weighed { discovery: d, probable }) = (ladder.case(), weighed);
+fn answer(
+    ladder: &FeLadder,
+    weighed: Weighed,
+    case: Arc<Case>,
+    start: Instant,
+    policy: &Policy,
+) -> DiscoverAnswer {
+    let Weighed { discovery: d, probable } = weighed;
     DiscoverAnswer {
         schema: 1,
         specimen: case.name.clone(),
@@ -238,10 +250,12 @@ fn answer(ladder: &FeLadder, weighed: Weighed, start: Instant, policy: &Policy) 
         place: compare::places(&compare::residuals_of(ladder)),
         one_strength: None,
         next_test: None,
+        left_out: Vec::new(),
         forward_runs: ladder.runs(),
         seconds: start.elapsed().as_secs_f64(),
         cost: Vec::new(),
         adds: ladder.adds(&d.screen),
+        case,
     }
 }
 
@@ -260,9 +274,10 @@ pub fn discover(
     let policy = Policy::default();
     let recent = Recent::new(journal);
     let how = LadderSettings { catalogue, policy: policy.clone(), progress, cancelled, journal: &recent };
-    let mut ladder = FeLadder::weighing(case, how)?;
-    let weighed = ladder.weighed()?;
+    let Searched { weighed, ladder, case, left_out } = FeLadder::searched(case, how)?;
     let next_test = ladder.next_test(&weighed.discovery);
-    let words = told::words(&weighed, &other_laws(ladder.case(), catalogue));
-    Ok(DiscoverAnswer { words, next_test, ..answer(&ladder, weighed, start, &policy) })
+    let mut words = told::words(&weighed, &other_laws(ladder.case(), catalogue));
+    // Right after the verdict.
+    words.splice(1..1, told::without(&left_out));
+    Ok(DiscoverAnswer { words, next_test, left_out, ..answer(&ladder, weighed, case, start, &policy) })
 }

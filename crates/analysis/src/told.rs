@@ -1,6 +1,6 @@
 //! An answer by probabilities in sentences.
 
-use crate::ladder::Weighed;
+use crate::ladder::{LeftOut, Weighed};
 use crate::probable::{Brief, PosteriorAnswer, Probable};
 use diagnose::{Discovery, Verdict};
 use std::collections::BTreeMap;
@@ -59,6 +59,19 @@ fn verdict(d: &Discovery, p: &PosteriorAnswer, laws: &[String]) -> String {
         ),
     };
     if d.interrupted { format!("{text} The search was stopped before its end.") } else { text }
+}
+
+/// That the answer is one to a part of the records.
+pub(crate) fn without(left_out: &[LeftOut]) -> Option<String> {
+    let part = |l: &LeftOut| format!("the last {} of {} points of {}", l.points, l.of, l.test);
+    let parts: Vec<String> = left_out.iter().map(part).collect();
+    (!parts.is_empty()).then(|| {
+        format!(
+            "No model came near the whole records: this is the answer to them without {}, where the force falls by many \
+             times its noise from one point to the next.",
+            joined(&parts, "and")
+        )
+    })
 }
 
 /// The most probable effects, "nothing" and "something else", as one sentence.

@@ -77,9 +77,9 @@ impl Doing<'_> {
         let found = analysis::discover(case.clone(), catalogue, note, watch, self.journal)?;
         let last =
             found.ladder.last().ok_or_else(|| AnalysisError::Case("the search has no model".into()))?;
-        let evaluated = self
-            .evaluator()
-            .fitted_model(&fitted_case(case, last, None), watch, |why| note(&why.to_string()))?;
+        let evaluated =
+            self.evaluator()
+                .fitted_model(&fitted_case(&found.case, last, None), watch, |why| note(&why.to_string()))?;
         let json = serde_json::to_value(&found).map_err(|e| AnalysisError::Case(e.to_string()))?;
         Ok(done(evaluated.answer, Some(json)))
     }

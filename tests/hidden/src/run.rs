@@ -130,19 +130,15 @@ fn search(
     let case = input::read_case(&folder.join("config.toml"), &catalogue).map_err(|e| e.to_string())?;
     let policy = Policy::default();
     let late = || Instant::now() >= deadline;
-    let case = Arc::new(case);
-    let mut ladder = FeLadder::weighing(
-        case.clone(),
-        analysis::LadderSettings {
-            catalogue: &catalogue,
-            policy: policy.clone(),
-            progress,
-            cancelled: &late,
-            journal: &analysis::NoJournal,
-        },
-    )
-    .map_err(|e| e.to_string())?;
-    let found = ladder.weighed().map_err(|e| e.to_string())?;
+    let how = analysis::LadderSettings {
+        catalogue: &catalogue,
+        policy: policy.clone(),
+        progress,
+        cancelled: &late,
+        journal: &analysis::NoJournal,
+    };
+    let analysis::Searched { weighed: found, ladder, case, .. } =
+        FeLadder::searched(Arc::new(case), how).map_err(|e| e.to_string())?;
     let stated = Stated { base_gc: base_gc(&case, &ladder, &late), ..stated(&found.probable) };
     Ok(Outcome { stated: Some(stated), ..answer(truth.clone(), &ladder, &found.discovery, &policy) })
 }

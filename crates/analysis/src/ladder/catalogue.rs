@@ -27,11 +27,13 @@ impl FeLadder<'_> {
     /// # Errors
     /// [`AnalysisError`].
     pub(super) fn weigh_catalogue(&mut self) -> Result<Probabilities, AnalysisError> {
-        self.columns_at(&[])?;
+        if !self.screens.contains_key(&Vec::new()) {
+            self.columns_at(&[])?;
+        }
         let mut done = Done { singles: Singles::Likely, twice: BTreeSet::new(), formed: BTreeSet::new() };
         loop {
             let (found, posterior, models) = self.posterior()?;
-            if self.interrupted() {
+            if self.interrupted() || (matches!(done.singles, Singles::Fitted) && self.gives_up()) {
                 return Ok((found, posterior));
             }
             (self.progress)(found.sentence().trim_end_matches('.'));
@@ -80,7 +82,9 @@ impl FeLadder<'_> {
         self.leader = now.noise.then(|| self.least());
         self.fit_sets(&sets)?;
         self.leader = None;
-        self.begin_again(&sets, now)?;
+        if !self.gives_up() {
+            self.begin_again(&sets, now)?;
+        }
         Ok(true)
     }
 

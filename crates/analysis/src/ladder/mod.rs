@@ -18,11 +18,13 @@ pub(crate) mod next_test;
 mod settle;
 #[cfg(test)]
 pub(crate) mod tests;
+mod torn_end;
 
 pub use adds::Adds;
 pub use decided::Weighed;
 pub use next_test::{NextTest, Tried};
 use settle::FineStates;
+pub use torn_end::{LeftOut, Searched};
 
 use crate::columns::Base;
 use crate::correction::Correction;
@@ -91,6 +93,8 @@ pub struct FeLadder<'a> {
     leader: Option<f64>,
     /// What the models say of the records, as far as it was asked.
     pub(crate) known: Mutex<Known>,
+    /// Whether the search ends where no effect alone comes near the records: there is something else to try first.
+    brief: bool,
     runs: AtomicUsize,
     policy: Policy,
     /// States on the file's mesh at the base's optimum: first guesses there.
@@ -125,6 +129,7 @@ impl<'a> FeLadder<'a> {
             first: Vec::new(),
             leader: None,
             known: Mutex::default(),
+            brief: false,
             runs: AtomicUsize::new(0),
             policy,
             fine_states: None,

@@ -4,7 +4,7 @@ use super::begin::with_effects_at;
 use super::{FeLadder, Fitted, named};
 use crate::columns::transfer;
 use crate::correction::Correction;
-use crate::identify::{AnalysisError, fewer_steps, run_options, runs_as_long};
+use crate::identify::{AnalysisError, run_options, runs_as_long};
 use crate::journal::{Asked, remembered};
 use crate::problem::FeProblem;
 use inverse::{FitOptions, Iterate, MappedOptions, Objective, PredictError, Problem as _, quality};
@@ -115,7 +115,8 @@ impl FeLadder<'_> {
         let fine = Model::new(Arc::new(case), self.catalogue, Discretisation::default())?;
         let theta = transfer(&begun.model, &begun.theta, &fine);
         let slots = &self.measured.slots;
-        let mut options = fewer_steps(run_options(&self.fine_case));
+        // All load steps: where a strip tears through, the curve between half of them is not the model's.
+        let mut options = run_options(&self.fine_case);
         options.stepping.budget = 2 * crate::identify::TRIAL_BUDGET;
         options.stepping.newton.tolerance = self.options.stepping.newton.tolerance;
         let free = fine.free();

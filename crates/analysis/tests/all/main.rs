@@ -15,3 +15,4 @@ mod rate_dependent_holds;
 mod recovered;
 mod sampling;
 mod small;
+mod torn_end;

@@ -68,6 +68,7 @@ fn search(
     if session.cancelled() {
         return Ok((answer, None));
     }
+    let case = &answer.case.clone();
     let one = analysis::one_strength(case, &session.catalogue, &answer, &note, &metered, &journal);
     answer.one_strength = one.unwrap_or_else(|why| {
         session.say(&format!("one strength along the path could not be tried: {why}"));
