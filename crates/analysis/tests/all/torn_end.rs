@@ -7,7 +7,7 @@ use analysis::{DiscoverAnswer, Measured, NoJournal, discover};
 use input::Case;
 use inverse::Random;
 use model::{Catalogue, Discretisation, Model};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// Points of the test that tears, and of those the last that no model meets.
 const POINTS: usize = 5 * small::LEG + 1;
@@ -44,8 +44,12 @@ fn recorded(
     (folder, case)
 }
 
-fn found(case: &Case, catalogue: &Catalogue) -> DiscoverAnswer {
-    discover(Arc::new(case.clone()), catalogue, &|_| (), &|| false, &NoJournal).unwrap()
+/// The answer, and what the search said on its way.
+fn found(case: &Case, catalogue: &Catalogue) -> (DiscoverAnswer, Vec<String>) {
+    let said = Mutex::new(Vec::new());
+    let note = |line: &str| said.lock().unwrap().push(line.to_owned());
+    let answer = discover(Arc::new(case.clone()), catalogue, &note, &|| false, &NoJournal).unwrap();
+    (answer, said.into_inner().unwrap())
 }
 
 #[test]
@@ -53,7 +57,7 @@ fn an_end_that_no_model_meets_is_left_out_and_said_to_be() {
     let catalogue = few();
     let torn = |i: usize, f: f64| if i + LAST >= POINTS { 0.2 * f } else { f };
     let (_folder, case) = recorded(&catalogue, TOUGH, torn);
-    let answer = found(&case, &catalogue);
+    let (answer, _) = found(&case, &catalogue);
     assert_eq!(answer.verdict, "nothing_missing", "{:?}", answer.words);
     let [out] = answer.left_out.as_slice() else { panic!("{:?}", answer.left_out) };
     assert_eq!((out.test.as_str(), out.points, out.of), ("tearing", LAST, POINTS));
@@ -73,20 +77,25 @@ fn a_record_that_is_met_or_met_nowhere_is_searched_whole() {
     let catalogue = few();
     let whole = |strip: (f64, f64), change: &dyn Fn(usize, f64) -> f64| {
         let (_folder, case) = recorded(&catalogue, strip, change);
-        let answer = found(&case, &catalogue);
+        let (answer, notes) = found(&case, &catalogue);
         assert!(answer.left_out.is_empty(), "{:?}", answer.left_out);
         assert!(answer.case.tests.iter().all(|t| t.weights.is_empty()));
         assert!(!answer.words.iter().any(|w| w.contains("whole records")), "{:?}", answer.words);
-        answer.verdict
+        let again = |n: &&String| n.contains("drift: once more from where the record's own start is");
+        let tried = notes.iter().any(|n| n.contains("no effect comes near"));
+        (answer.verdict, tried, notes.iter().filter(again).count())
     };
-    assert_eq!(whole(TOUGH, &|_, f| f), "nothing_missing");
+    assert_eq!(whole(TOUGH, &|_, f| f), ("nothing_missing".to_owned(), false, 0));
     // The last points fall by 5 sd and more, as the model says.
-    assert_eq!(whole(BRITTLE, &|_, f| f), "nothing_missing");
+    assert_eq!(whole(BRITTLE, &|_, f| f), ("nothing_missing".to_owned(), false, 0));
     // A saw in the middle, too, which neither effect makes.
     let nowhere = |i: usize, f: f64| match i {
         20..40 if i % 4 < 2 => 1.5 * f,
         _ if i + LAST >= POINTS => 0.2 * f,
         _ => f,
     };
-    assert_ne!(whole(TOUGH, &nowhere), "nothing_missing");
+    let (verdict, tried, again) = whole(TOUGH, &nowhere);
+    assert_ne!(verdict, "nothing_missing");
+    // The search without the end did all it could, and so did that of the whole.
+    assert!(tried && again == 2, "{tried} {again}");
 }
