@@ -93,7 +93,7 @@ impl<'a> FeLadder<'a> {
 
     /// Whether a search that is to be brief has nothing that comes near.
     pub(super) fn gives_up(&self) -> bool {
-        self.brief && !self.comes_near()
+        self.brief
     }
 
     /// Whether a model that was fitted leaves little beside the noise.
