@@ -32,7 +32,7 @@ fn main() {
             cancelled: &metered,
             journal: &NoJournal,
         };
-        match FeLadder::searched(Arc::new(case), how) {
+        match FeLadder::search(Arc::new(case), how) {
             Ok(s) => {
                 show(&path, &s.weighed, &s.ladder);
                 s.left_out.iter().for_each(|l| println!("   without {l:?}"));

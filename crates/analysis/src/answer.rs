@@ -5,7 +5,7 @@ use crate::cost::PhaseCost;
 use crate::identify::AnalysisError;
 use crate::journal::{Journal, Recent};
 use crate::ladder::laws::other_laws;
-use crate::ladder::{Adds, FeLadder, LadderSettings, LeftOut, NextTest, Searched, Weighed};
+use crate::ladder::{Adds, FeLadder, LadderSettings, LeftOut, NextTest, SearchOutcome, Weighed};
 use crate::law_names::LawNames;
 use crate::parsimony::OneStrength;
 use crate::probable::{Left, PosteriorAnswer};
@@ -117,7 +117,7 @@ pub struct DiscoverAnswer {
     pub one_strength: Option<OneStrength>,
     /// What would separate the rivals.
     pub next_test: Option<NextTest>,
-    /// Stretches that the search left out because no model met them (discover only).
+    /// Ends of records that the search left out, since no effect came near the whole (discover only).
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub left_out: Vec<LeftOut>,
     /// Forward runs.
@@ -274,7 +274,7 @@ pub fn discover(
     let policy = Policy::default();
     let recent = Recent::new(journal);
     let how = LadderSettings { catalogue, policy: policy.clone(), progress, cancelled, journal: &recent };
-    let Searched { weighed, ladder, case, left_out } = FeLadder::searched(case, how)?;
+    let SearchOutcome { weighed, ladder, case, left_out } = FeLadder::search(case, how)?;
     let next_test = ladder.next_test(&weighed.discovery);
     let mut words = told::words(&weighed, &other_laws(ladder.case(), catalogue));
     // Right after the verdict.

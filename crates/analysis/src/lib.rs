@@ -46,7 +46,7 @@ pub use identify::{
 };
 pub use journal::{Journal, NoJournal};
 pub use ladder::laws::keeps_meaning;
-pub use ladder::{Adds, FeLadder, Fitted, LadderSettings, LeftOut, NextTest, Searched, Tried, Weighed};
+pub use ladder::{Adds, FeLadder, Fitted, LadderSettings, LeftOut, NextTest, SearchOutcome, Tried, Weighed};
 pub use law_names::LawNames;
 pub use needs::{Need, needs};
 pub use parsimony::{OneStrength, one_strength};

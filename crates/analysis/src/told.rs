@@ -67,7 +67,7 @@ pub(crate) fn without(left_out: &[LeftOut]) -> Option<String> {
     let parts: Vec<String> = left_out.iter().map(part).collect();
     (!parts.is_empty()).then(|| {
         format!(
-            "No model came near the whole records: this is the answer to them without {}, where the force falls by many \
+            "No effect came near the whole records: this is the answer to them without {}, where the force falls by many \
              times its noise from one point to the next.",
             joined(&parts, "and")
         )

@@ -137,8 +137,8 @@ fn search(
         cancelled: &late,
         journal: &analysis::NoJournal,
     };
-    let analysis::Searched { weighed: found, ladder, case, .. } =
-        FeLadder::searched(Arc::new(case), how).map_err(|e| e.to_string())?;
+    let analysis::SearchOutcome { weighed: found, ladder, case, .. } =
+        FeLadder::search(Arc::new(case), how).map_err(|e| e.to_string())?;
     let stated = Stated { base_gc: base_gc(&case, &ladder, &late), ..stated(&found.probable) };
     Ok(Outcome { stated: Some(stated), ..answer(truth.clone(), &ladder, &found.discovery, &policy) })
 }

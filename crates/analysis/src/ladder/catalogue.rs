@@ -33,6 +33,7 @@ impl FeLadder<'_> {
         let mut done = Done { singles: Singles::Likely, twice: BTreeSet::new(), formed: BTreeSet::new() };
         loop {
             let (found, posterior, models) = self.posterior()?;
+            // What else there is to try comes before what costs most.
             if self.interrupted() || (matches!(done.singles, Singles::Fitted) && self.gives_up()) {
                 return Ok((found, posterior));
             }

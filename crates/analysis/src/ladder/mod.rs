@@ -24,7 +24,7 @@ pub use adds::Adds;
 pub use decided::Weighed;
 pub use next_test::{NextTest, Tried};
 use settle::FineStates;
-pub use torn_end::{LeftOut, Searched};
+pub use torn_end::{LeftOut, SearchOutcome};
 
 use crate::columns::Base;
 use crate::correction::Correction;

@@ -1,4 +1,4 @@
-//! Records that no model meets as a whole, and that end where the strip tears through.
+//! Records that no effect meets as a whole, and that end where the strip tears through.
 //!
 //! As a strip tears through, its force falls by many times the noise from one point to the next. These few points hang on
 //! where exactly the tear arrives: every model that is not there yet misses them by far, in a way that no derivative sees,
@@ -39,7 +39,7 @@ pub struct LeftOut {
 }
 
 /// A finished search.
-pub struct Searched<'a> {
+pub struct SearchOutcome<'a> {
     /// What it found.
     pub weighed: Weighed,
     /// Every model that was fitted.
@@ -56,29 +56,29 @@ impl<'a> FeLadder<'a> {
     ///
     /// # Errors
     /// [`AnalysisError`].
-    pub fn searched(case: Arc<Case>, how: LadderSettings<'a>) -> Result<Searched<'a>, AnalysisError> {
+    pub fn search(case: Arc<Case>, how: LadderSettings<'a>) -> Result<SearchOutcome<'a>, AnalysisError> {
         let mut ladder = Self::weighing(case.clone(), how.clone())?;
         let left_out = ladder.torn_ends();
         ladder.brief = !left_out.is_empty();
         let mut weighed = ladder.weighed()?;
         if ladder.gives_up() && !ladder.interrupted() {
             // What the whole records say stands, whatever becomes of the rest.
-            if let Some(again) = ladder.searched_without(&case, left_out, how) {
+            if let Some(again) = ladder.search_without(&case, left_out, how) {
                 return Ok(again);
             }
             ladder.brief = false;
             weighed = ladder.weighed()?;
         }
-        Ok(Searched { weighed, ladder, case, left_out: Vec::new() })
+        Ok(SearchOutcome { weighed, ladder, case, left_out: Vec::new() })
     }
 
     /// The search without the ends of the records; `None` where no model comes near the rest either.
-    fn searched_without(
+    fn search_without(
         &self,
         case: &Case,
         left_out: Vec<LeftOut>,
         how: LadderSettings<'a>,
-    ) -> Option<Searched<'a>> {
+    ) -> Option<SearchOutcome<'a>> {
         let points: usize = left_out.iter().map(|l| l.points).sum();
         (how.progress)(&format!(
             "no effect comes near; now without the last {points} points, where it tears through"
@@ -87,13 +87,13 @@ impl<'a> FeLadder<'a> {
         let weighed = ladder.weighed().ok()?;
         ladder.runs.fetch_add(self.runs(), Ordering::Relaxed);
         let case = Arc::new(with_weights(case, &left_out));
-        let ends = ladder.comes_near() && !ladder.interrupted();
-        ends.then_some(Searched { weighed, ladder, case, left_out })
+        let near = ladder.comes_near() && !ladder.interrupted();
+        near.then_some(SearchOutcome { weighed, ladder, case, left_out })
     }
 
     /// Whether a search that is to be brief has nothing that comes near.
     pub(super) fn gives_up(&self) -> bool {
-        self.brief
+        self.brief && !self.comes_near()
     }
 
     /// Whether a model that was fitted leaves little beside the noise.

@@ -1,4 +1,4 @@
-//! Records that end with a fall which no model meets: the search goes on without it, says so, and only then.
+//! Records that end with a fall which no effect meets: the search goes on without it, says so, and only then.
 #![allow(missing_docs)]
 
 use crate::small;
