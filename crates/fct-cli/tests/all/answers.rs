@@ -130,16 +130,21 @@ fn discover_names_what_is_hidden() -> Tested {
     assert!(out.status.success());
     let page = fs::read_to_string(here.join("search/report.html"))?;
     assert!(page.contains("drift") && page.contains("Is the model good enough?"));
+    assert!(!page.contains("This leaves out"));
     undecided_on_the_page(here)
 }
 
-/// The same run as if drift led without being probable enough to be named: the page says so, and names nothing.
+/// The same run as if drift led without being probable enough to be named, and an end of a record had been left out: the page
+/// says so, and names nothing.
 fn undecided_on_the_page(here: &Path) -> Tested {
     rewritten(&here.join("search"), "summary.json", |answer| {
         answer["ladder"] = Value::Array(vec![answer["ladder"][0].clone()]);
         answer["verdict"] = "ambiguous".into();
         answer["found"] = Value::Array(vec![]);
         answer["groups"] = Value::Array(vec![]);
+        answer["left_out"] = serde_json::json!([{
+            "test": "tearing", "from_s": 70.0, "to_s": 80.0, "points": 3, "of": 90
+        }]);
         answer["next_test"] = serde_json::json!({
             "proposal": "a hold of 300 s, and on", "separates": ["drift", "nothing"], "basis": "the effect's card"
         });
@@ -152,6 +157,7 @@ fn undecided_on_the_page(here: &Path) -> Tested {
         "These records cannot tell",
         "Neither that an effect is missing, nor that none is",
         "Separate drift from nothing",
+        "This leaves out the last 3 of 90 points of tearing",
     ] {
         assert!(page.contains(said), "{said}");
     }

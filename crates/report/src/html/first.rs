@@ -5,8 +5,9 @@ use super::place::places;
 use super::view::{FittedModel, View};
 use super::{chart, escape, per_model};
 use crate::answer::{IdentifyAnswer, ParameterAnswer};
-use crate::peek::groups;
+use crate::peek::{groups, number, rows, text};
 use crate::terminal::{interval, known, mean_sd, pair, readable_unit, significant};
+use serde_json::Value;
 
 /// The section.
 pub fn section(v: &View) -> String {
@@ -17,9 +18,24 @@ pub fn section(v: &View) -> String {
         chart("main", test, &format!("{test}: record and model with ± 2 sd of the noise"))
     });
     format!(
-        "<section id=\"first\"><p class=\"lead {class}\">{}</p>\n<div class=\"first\"><div>{values}</div>\n{curve}</div></section>\n",
-        escape(&sentence)
+        "<section id=\"first\"><p class=\"lead {class}\">{}</p>\n{}<div class=\"first\"><div>{values}</div>\n{curve}</div></section>\n",
+        escape(&sentence),
+        left_out(v)
     )
+}
+
+/// That the sentence is one of a part of the records.
+fn left_out(v: &View) -> String {
+    let ends = v.diagnosis.as_ref().map_or(&[][..], |d| rows(d, "left_out"));
+    let one = |l: &Value| {
+        let [points, of] = ["points", "of"].map(|key| number(l, key).unwrap_or(0.0));
+        format!(
+            "<p class=\"bad\">This leaves out the last {points} of {of} points of {}, where the force falls steeply: no \
+             effect came near the whole records.</p>\n",
+            escape(text(l, "test"))
+        )
+    };
+    ends.iter().map(one).collect()
 }
 
 /// The test that is torn, else the first.
