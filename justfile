@@ -15,7 +15,7 @@ ci:
 # Whole fits that are too long for every change: each effect found again beside an unknown base, a start from which the record
 # cannot be followed, long records with jitter, the power that `fct design` promises, peels. Some ten minutes.
 slow:
-    cargo test --workspace -- --ignored beside_an_unknown_base is_mended rows_and_jitter noisy_repeats_confirm a_steady_peel synthetic_peel synthetic_sheet another_law_is_called what_bends_the_base
+    cargo test --workspace -- --ignored beside_an_unknown_base is_mended rows_and_jitter noisy_repeats_confirm a_steady_peel synthetic_peel synthetic_sheet another_law_is_called what_bends_the_base a_sensors_effect_is_named a_limit_point_beyond
 
 # The slow checks of docs/verification.md, with their figures.
 verification:

@@ -152,12 +152,10 @@ impl Work<'_> {
         fit: &Fit,
     ) -> Result<Uncertainty, AnalysisError> {
         let rule = Identifiability::default();
-        match (&self.held, answer.last) {
-            (Some(_), Stage::Interface) => {
-                self.staged_intervals(answer.fine, measured, fit, &answer.free, &rule)
-            }
-            _ => Ok(uncertainty(&measured.data, &answer.free_parameters, fit, &rule)?),
+        if self.bulk_held && answer.last == Stage::Interface {
+            return self.staged_intervals(answer.fine, measured, fit, &answer.free, &rule);
         }
+        Ok(uncertainty(&measured.data, &answer.free_parameters, fit, &rule)?)
     }
 
     /// Asymmetric intervals, from how the standard errors change along the least known combinations: derivatives and

@@ -7,6 +7,7 @@ mod nearby;
 mod poll;
 mod rest;
 mod search;
+mod settings;
 mod tear_misfit;
 mod work;
 

@@ -1,6 +1,7 @@
 //! The stages of a search, and their order on the coarse and the given mesh.
 
-use super::work::{LAST_ROUNDS, STALLED_ROUNDS, Work};
+use super::settings::{LAST_ROUNDS, STALLED_ROUNDS};
+use super::work::Work;
 use super::{AnalysisError, Stage};
 use crate::cost::Phase;
 use input::{Case, Mode};
@@ -75,7 +76,7 @@ impl StagedSearch<'_> {
             work.theta = theta;
         }
         work.stopped.truncate(before);
-        work.held = None;
+        work.bulk_held = false;
         // A joint search that was brought near on the coarse mesh needs no stages on the fine one, nor does one that is to
         // stay where it is.
         let near = coarse.is_some() || self.case.identify.max_iterations == 0;
@@ -132,7 +133,8 @@ impl StagedSearch<'_> {
     /// and is taken to its end only if it is the one that stands.
     pub fn release(&self, work: &mut Work, own: &[StagePlan]) -> Result<Option<StagePlan>, AnalysisError> {
         let before = work.tear_left;
-        let (theta, held, starts, paused) = (work.theta.clone(), work.held, work.starts.clone(), work.paused);
+        let (theta, bulk_held, starts, paused) =
+            (work.theta.clone(), work.bulk_held, work.starts.clone(), work.paused);
         let stopped = work.stopped.len();
         work.theta = self.fine.theta();
         let list = stages(self.fine, Mode::Joint);
@@ -141,7 +143,7 @@ impl StagedSearch<'_> {
         if !ended || work.tear_left.excess() > HELPED * before.excess() {
             let there = std::mem::replace(&mut work.theta, theta);
             work.beside = ended.then_some(there);
-            (work.held, work.starts, work.tear_left) = (held, starts, before);
+            (work.bulk_held, work.starts, work.tear_left) = (bulk_held, starts, before);
             work.stopped.truncate(stopped);
             self.go_on(work, paused, own)?;
             return Ok(None);

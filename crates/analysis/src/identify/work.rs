@@ -6,18 +6,9 @@ use crate::data::Measured;
 use crate::journal::{Asked, remembered};
 use crate::problem::FeProblem;
 use input::Case;
-use inverse::{FitOptions, Free, Iterate, MappedOptions, MultiStart, Objective, StopReason};
+use inverse::{Fit, FitError, Free, Iterate, MappedOptions, MultiStart, StopReason};
 use model::{Model, RunOptions};
 use std::ops::ControlFlow;
-
-/// The coarse mesh only brings the search near: a fall of half a percent is not worth a run, nor is a
-/// fifth trial of a step.
-const COARSE_TOLERANCE: f64 = 5e-3;
-const COARSE_TRIALS: usize = 4;
-
-/// Three steps in a row that lower χ² by less than this end the search: a quarter of what one
-/// parameter is worth by chance, each step half a standard deviation at most in any direction.
-const INSIGNIFICANT: f64 = 0.25;
 
 /// Half the load steps: the cubic through them carries the curve to 1e-5 of the peak (docs/decisions/load-steps.md).
 pub(crate) fn fewer_steps(mut options: RunOptions) -> RunOptions {
@@ -37,32 +28,6 @@ pub(crate) fn runs_as_long(of: &Model, by: &RunOptions, cheap: &Model, cheap_by:
     };
     (work(of, by) / work(cheap, cheap_by)).max(1.0)
 }
-
-/// How near rounds on the given mesh come to its optimum.
-struct Near {
-    /// Tolerance, least fall of three steps, and most steps of the searches on the cheap mesh between two runs on the given
-    /// one.
-    tolerance: f64,
-    insignificant: f64,
-    steps: usize,
-    /// A predicted fall of χ² that is not worth a run on the given mesh.
-    settled: f64,
-    /// The trust region to begin with.
-    radius: f64,
-}
-
-/// They need not end closer than the next run moves them.
-const BEFORE: Near =
-    Near { tolerance: 1e-4, insignificant: 0.05, steps: 16, settled: INSIGNIFICANT, radius: f64::INFINITY };
-
-/// The last rounds, by runs with all load steps, along a valley: what ends χ² three above its least is off by nearly two
-/// standard deviations in some direction. Begun with an unlimited region, the first of them is rejected; how many, and how
-/// near, was chosen on FCT3, FCT4 and a strip that lacks nothing (docs/decisions/mapped-search.md).
-const LAST: Near = Near { tolerance: 1e-5, insignificant: 0.01, steps: 30, settled: 0.1, radius: 0.1 };
-pub(super) const LAST_ROUNDS: usize = 5;
-
-/// Rounds of a stage that stalled: a model that misses the tear by far is not told apart from others by the rest.
-pub(super) const STALLED_ROUNDS: usize = 5;
 
 /// Newton tolerance of the search, if the file's is not coarser: it moves χ² by far less than a step
 /// does. The last run, which the answer is made from, takes the file's.
@@ -87,7 +52,8 @@ pub(crate) struct Work<'a> {
     pub(super) all_steps: bool,
     /// Steps on the given mesh at most, besides the file's limit.
     pub(super) rounds: usize,
-    pub(super) held: Option<()>,
+    /// Whether the bulk was fitted on the given mesh by a stage of its own.
+    pub(super) bulk_held: bool,
     /// Whether the literature's priors count.
     pub literature: bool,
     /// Share of each record's largest value that counts as noise at least: a start need not follow
@@ -125,7 +91,7 @@ impl<'a> Work<'a> {
             search: options,
             all_steps: false,
             rounds: usize::MAX,
-            held: None,
+            bulk_held: false,
             literature: case.identify.priors.literature.unwrap_or(false),
             coarse_noise: 0.0,
             starts: None,
@@ -188,46 +154,12 @@ impl<'a> Work<'a> {
         let mut list = free_parameters(model, &self.theta, free);
         crate::priors::add(&mut list, self.case, self.literature || starting);
         let paths: Vec<String> = list.iter().map(|f| f.path.clone()).collect();
-        let whitened = stage == Stage::Joint || starting;
-        let objective = if whitened { Objective::Record } else { Objective::PaperSum };
-        let fit_options = FitOptions {
-            objective,
-            // The coarse mesh only brings the search near: its own error is larger than the rest.
-            insignificant: INSIGNIFICANT,
-            tolerance: if coarse { COARSE_TOLERANCE } else { self.case.identify.tolerance },
-            max_trials: if coarse { COARSE_TRIALS } else { FitOptions::default().max_trials },
-            max_iterations: match (coarse, stage) {
-                (false, _) => self.case.identify.max_iterations.min(self.rounds),
-                (true, Stage::Joint) => 30,
-                (true, _) => 10,
-            },
-            // Strengths of neighbouring areas trade against each other: a bold first step makes the
-            // tear jump, and a jump tells the search nothing.
-            initial_damping: if stage == Stage::Bulk { 1e-3 } else { 3e-2 },
-            max_step: if stage == Stage::Bulk { 1.5 } else { 0.5 },
-            poll: Some(super::poll(&list)),
-            ..FitOptions::default()
-        };
+        let fit_options = self.fit_options(stage, coarse, &list);
         let options = if self.all_steps { self.options } else { self.search };
         let problem = self.trial(model, &self.theta, free, &measured.slots, options);
         let beside = cheap.map(|m| self.trial(m, &self.theta, free, &measured.slots, self.search));
-        let near = if self.all_steps { LAST } else { BEFORE };
-        let inner = FitOptions {
-            tolerance: near.tolerance,
-            insignificant: near.insignificant,
-            max_iterations: near.steps,
-            max_trials: COARSE_TRIALS,
-            poll: None,
-            ..fit_options.clone()
-        };
         let ratio = cheap.map_or(1.0, |m| runs_as_long(model, &options, m, &self.search));
-        let mapped = MappedOptions {
-            outer: fit_options.clone(),
-            inner,
-            settled: near.settled,
-            ratio,
-            radius: near.radius,
-        };
+        let mapped = self.mapped_options(&fit_options, ratio);
         let (progress, history) = (self.control.progress, &mut self.history);
         let pausing = self.pausing && !coarse && beside.is_some();
         let mut before: Option<TearMisfit> = None;
@@ -259,45 +191,54 @@ impl<'a> Work<'a> {
             cancelled: self.control.cancelled,
         };
         let done = remembered(self.control.journal, &asked, &mut observer, &mut |observer| {
-            if let (Some(cheap), 1) = (&beside, starts) {
-                let fit = inverse::fit_mapped(
-                    &problem,
-                    cheap,
-                    &measured.data,
-                    &list,
-                    &mapped,
-                    observer,
-                    &mut watch,
-                )?;
-                return Ok((fit, None));
-            }
-            if starts == 1 {
-                return Ok((inverse::fit(&problem, &measured.data, &list, &fit_options, observer)?, None));
-            }
-            let how = MultiStart { starts, ..MultiStart::default() };
-            let mut each = |_: usize, iterate: &Iterate| observer(iterate);
-            let ends = inverse::multi_start(&problem, &measured.data, &list, &fit_options, &how, &mut each)?;
-            let told = ends.sentence();
-            Ok((ends.best, Some(told)))
+            asked.search(starts, &mapped, observer, &mut watch)
         })?;
-        let fit = done.fit;
         if let Some(sentence) = done.starts {
             let told = format!("{}: {sentence}", stage.word());
             self.starts = Some(self.starts.take().map_or(told.clone(), |s| format!("{s} {told}")));
         }
         self.runs += done.runs;
-        self.theta = problem.full(&fit.theta);
+        self.theta = problem.full(&done.fit.theta);
+        self.tear_left = TearMisfit::of(model, &measured, &done.fit.prediction.values);
+        self.paused = pausing && done.fit.stop == StopReason::Stopped && !self.control.cancelled.stops();
+        self.end_stage(stage, coarse, &done.fit);
+        Ok(done.fit.f)
+    }
+
+    /// What is said of how a stage ended, unless it pauses.
+    fn end_stage(&mut self, stage: Stage, coarse: bool, fit: &Fit) {
         if !coarse {
             self.iterations = self.iterations.max(fit.iterations);
         }
-        self.tear_left = TearMisfit::of(model, &measured, &fit.prediction.values);
-        self.paused = pausing && fit.stop == StopReason::Stopped && !self.control.cancelled.stops();
         if !self.paused {
             self.stopped.push((stage, fit.stop.sentence().to_owned(), fit.stop.converged()));
         }
         if stage == Stage::Bulk && !coarse {
-            self.held = Some(());
+            self.bulk_held = true;
         }
-        Ok(fit.f)
+    }
+}
+
+impl Asked<'_> {
+    /// The fit itself: on the cheap model where there is one, from several starts where they are asked for, which are told.
+    fn search(
+        &self,
+        starts: usize,
+        mapped: &MappedOptions,
+        observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
+        watch: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
+    ) -> Result<(Fit, Option<String>), FitError> {
+        let (problem, data, free, options) = (self.problem, self.data, self.free, self.options);
+        if let (Some(cheap), 1) = (self.beside, starts) {
+            return Ok((inverse::fit_mapped(problem, cheap, data, free, mapped, observer, watch)?, None));
+        }
+        if starts == 1 {
+            return Ok((inverse::fit(problem, data, free, options, observer)?, None));
+        }
+        let how = MultiStart { starts, ..MultiStart::default() };
+        let mut each = |_: usize, iterate: &Iterate| observer(iterate);
+        let ends = inverse::multi_start(problem, data, free, options, &how, &mut each)?;
+        let told = ends.sentence();
+        Ok((ends.best, Some(told)))
     }
 }

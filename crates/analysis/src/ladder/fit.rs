@@ -95,42 +95,9 @@ impl FeLadder<'_> {
             problem.options.stepping.budget = crate::identify::TRIAL_BUDGET;
             problem.correction = correction.clone();
             problem.start_from(states);
-            let options = FitOptions {
-                objective: Objective::Record,
-                tolerance: TOLERANCE,
-                max_iterations: STEPS,
-                insignificant: INSIGNIFICANT,
-                max_trials: TRIALS,
-                initial_damping: 1e-2,
-                // A rejected trial needs none, and derivatives cost as much as a run.
-                jacobian_with_trial: false,
-                max_step: 0.7,
-                poll: Some(crate::identify::poll(&list)),
-            };
-            let progress = self.progress;
-            let names = super::named(&self.parts_of(&model));
-            let base = self.fitted_models.get(&Vec::new()).map_or(f64::INFINITY, |f| f.fit.f);
-            let little = LITTLE * base..base / LITTLE;
-            let mut last = f64::INFINITY;
-            let mut watch = |i: &Iterate| {
-                if let Some(f) = i.f {
-                    progress(&format!(
-                        "{names}: iteration {}, χ² {f:.1}{}",
-                        i.iteration,
-                        if i.accepted { "" } else { " (rejected)" }
-                    ));
-                }
-                // A trial that was rejected says nothing about the fit.
-                let taken = i.f.filter(|_| i.accepted);
-                let idle = taken.is_some_and(|f| little.contains(&f) && last - f < COARSE_TOLERANCE * f);
-                // Beside a model that leaves noise alone, and only there, half a difference of χ² is one of evidence. Twice
-                // the fall of the last step is what a fit may hope for.
-                let behind = taken
-                    .zip(self.leader)
-                    .is_some_and(|(f, leader)| evidence::hopeless(-0.5 * f, last - f, -0.5 * leader));
-                last = taken.unwrap_or(last);
-                if idle || behind { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            };
+            let options = search_options(&list);
+            let little = self.little();
+            let mut watch = self.watch(&model);
             let asked = Asked {
                 problem: &problem,
                 beside: None,
@@ -162,5 +129,49 @@ impl FeLadder<'_> {
             settled: false,
             warm,
         })
+    }
+
+    /// The values of χ² that are about the base's.
+    fn little(&self) -> std::ops::Range<f64> {
+        let base = self.fitted_models.get(&Vec::new()).map_or(f64::INFINITY, |f| f.fit.f);
+        LITTLE * base..base / LITTLE
+    }
+
+    /// Tells the steps of a model's fit, and ends one that gains little or that stays behind the leader.
+    fn watch(&self, model: &Model) -> impl FnMut(&Iterate) -> ControlFlow<()> {
+        let names = super::named(&self.parts_of(model));
+        let (little, progress, leader) = (self.little(), self.progress, self.leader);
+        let mut last = f64::INFINITY;
+        move |i: &Iterate| {
+            if let Some(f) = i.f {
+                let rejected = if i.accepted { "" } else { " (rejected)" };
+                progress(&format!("{names}: iteration {}, χ² {f:.1}{rejected}", i.iteration));
+            }
+            // A trial that was rejected says nothing about the fit.
+            let taken = i.f.filter(|_| i.accepted);
+            let idle = taken.is_some_and(|f| little.contains(&f) && last - f < COARSE_TOLERANCE * f);
+            // Beside a model that leaves noise alone, and only there, half a difference of χ² is one of evidence. Twice
+            // the fall of the last step is what a fit may hope for.
+            let behind = taken
+                .zip(leader)
+                .is_some_and(|(f, leader)| evidence::hopeless(-0.5 * f, last - f, -0.5 * leader));
+            last = taken.unwrap_or(last);
+            if idle || behind { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        }
+    }
+}
+
+fn search_options(list: &[inverse::Free]) -> FitOptions {
+    FitOptions {
+        objective: Objective::Record,
+        tolerance: TOLERANCE,
+        max_iterations: STEPS,
+        insignificant: INSIGNIFICANT,
+        max_trials: TRIALS,
+        initial_damping: 1e-2,
+        // A rejected trial needs none, and derivatives cost as much as a run.
+        jacobian_with_trial: false,
+        max_step: 0.7,
+        poll: Some(crate::identify::poll(list)),
     }
 }

@@ -8,7 +8,7 @@ use crate::identify::{AnalysisError, run_options, runs_as_long};
 use crate::journal::{Asked, remembered};
 use crate::problem::FeProblem;
 use inverse::{FitOptions, Iterate, MappedOptions, Objective, PredictError, Problem as _, quality};
-use model::{Discretisation, Model};
+use model::{Discretisation, Model, RunOptions};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -23,6 +23,17 @@ const SETTLED: f64 = 0.25;
 pub(super) struct FineStates {
     model: Model,
     warm: Vec<Option<fem::Warm>>,
+}
+
+impl FineStates {
+    /// As first guesses for another model of the same tests.
+    fn guesses(&self, of: &Model, options: &RunOptions) -> Vec<Option<fem::Warm>> {
+        let one = |(t, w): (usize, &Option<fem::Warm>)| {
+            let (from, to) = (self.model.plan(t, options), of.plan(t, options));
+            w.as_ref().map(|w| to.guesses(&from, w))
+        };
+        self.warm.iter().enumerate().map(one).collect()
+    }
 }
 
 /// Where a fit on the file's mesh begins, by the search's mesh.
@@ -108,34 +119,18 @@ impl FeLadder<'_> {
         states: Option<&FineStates>,
         rounds: usize,
     ) -> Result<Option<(Fitted, FineStates)>, AnalysisError> {
-        let mut case = (*self.fine_case).clone();
-        case.effects.clone_from(&begun.model.case.effects);
-        case.bulk.clone_from(&begun.model.case.bulk);
-        case.interface.clone_from(&begun.model.case.interface);
-        let fine = Model::new(Arc::new(case), self.catalogue, Discretisation::default())?;
+        let fine = self.on_file_mesh(&begun.model)?;
         let theta = transfer(&begun.model, &begun.theta, &fine);
         let slots = &self.measured.slots;
-        // All load steps: where a strip tears through, the curve between half of them is not the model's.
-        let mut options = run_options(&self.fine_case);
-        options.stepping.budget = 2 * crate::identify::TRIAL_BUDGET;
-        options.stepping.newton.tolerance = self.options.stepping.newton.tolerance;
-        let free = fine.free();
-        let problem = FeProblem::new(&fine, theta, free, slots, options, self.cancelled);
+        let options = self.file_options();
+        let problem = FeProblem::new(&fine, theta, fine.free(), slots, options, self.cancelled);
         if let Some(s) = states {
-            let one = |(t, w): (usize, &Option<fem::Warm>)| {
-                let (from, to) = (s.model.plan(t, &options), fine.plan(t, &options));
-                w.as_ref().map(|w| to.guesses(&from, w))
-            };
-            problem.start_from(s.warm.iter().enumerate().map(one).collect());
+            problem.start_from(s.guesses(&fine, &options));
         }
         let Begun { model, theta, free, free_parameters, warm } = begun;
         let cheap = FeProblem::new(&model, theta, free.clone(), slots, self.options, self.cancelled);
         cheap.start_from(warm.clone());
-        let outer =
-            FitOptions { objective: Objective::Record, max_iterations: rounds, ..FitOptions::default() };
-        let inner = FitOptions { max_iterations: 16, tolerance: 1e-4, ..outer.clone() };
-        let ratio = runs_as_long(&fine, &options, &model, &self.options);
-        let how = MappedOptions { outer, inner, settled: SETTLED, ratio, radius: f64::INFINITY };
+        let how = mapped_options(rounds, runs_as_long(&fine, &options, &model, &self.options));
         let name = named(&self.parts_of(&model));
         let say = self.progress;
         let mut told = |i: &Iterate| {
@@ -190,4 +185,27 @@ impl FeLadder<'_> {
         };
         Ok(Some((settled, FineStates { model: fine, warm: fine_warm })))
     }
+
+    /// A model of the search's, on the file's mesh.
+    fn on_file_mesh(&self, model: &Model) -> Result<Model, AnalysisError> {
+        let mut case = (*self.fine_case).clone();
+        case.effects.clone_from(&model.case.effects);
+        case.bulk.clone_from(&model.case.bulk);
+        case.interface.clone_from(&model.case.interface);
+        Ok(Model::new(Arc::new(case), self.catalogue, Discretisation::default())?)
+    }
+
+    /// All load steps: where a strip tears through, the curve between half of them is not the model's.
+    fn file_options(&self) -> RunOptions {
+        let mut options = run_options(&self.fine_case);
+        options.stepping.budget = 2 * crate::identify::TRIAL_BUDGET;
+        options.stepping.newton.tolerance = self.options.stepping.newton.tolerance;
+        options
+    }
+}
+
+fn mapped_options(rounds: usize, ratio: f64) -> MappedOptions {
+    let outer = FitOptions { objective: Objective::Record, max_iterations: rounds, ..FitOptions::default() };
+    let inner = FitOptions { max_iterations: 16, tolerance: 1e-4, ..outer.clone() };
+    MappedOptions { outer, inner, settled: SETTLED, ratio, radius: f64::INFINITY }
 }

@@ -190,7 +190,9 @@ fn killed_runs_leave_nothing_broken_and_go_on_to_the_same_bits() -> Tested {
 
 #[test]
 fn stopped_runs_leave_a_valid_directory_and_go_on_to_the_same_bits() -> Tested {
-    COMMANDS
+    // All commands hear of a signal by the same way; `just kills` ends each by each.
+    let commands = if std::env::var_os("FCT_SIGNALS").is_some() { &COMMANDS[..] } else { &COMMANDS[..1] };
+    commands
         .iter()
         .try_for_each(|arguments| taken_up(arguments, ends("FCT_SIGNALS"), &[End::Int, End::Term, End::Hup]))
 }
