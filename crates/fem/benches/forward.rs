@@ -113,7 +113,8 @@ fn forward(c: &mut Criterion) {
     group.bench_function("force and 20 sensitivities", |b| {
         b.iter(|| {
             let mut chunks = columns_for(&problem, &theta, &seeds);
-            let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c as _).collect();
+            let mut columns: Vec<&mut (dyn Columns + 'static)> =
+                chunks.iter_mut().map(|c| c.columns()).collect();
             run_steps(
                 &problem,
                 &theta,

@@ -60,7 +60,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     });
 
     let mut chunks = columns_for(&problem, &theta, &(0..11).collect::<Vec<_>>());
-    let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c as _).collect();
+    let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c.columns()).collect();
     let mut system = System::new(&problem)?;
     let plan: Vec<Target> = (0..=20).map(|i| Target::new(0.25 * f64::from(i), 1.0)).collect();
     let options = SteppingOptions { ledger: true, ..SteppingOptions::default() };

@@ -2,6 +2,7 @@
 
 use super::{Base, Tried, Variant};
 use crate::identify::AnalysisError;
+use constitutive::WIDTH;
 use fem::sensitivity::{Chunk, Columns};
 use fem::{Run, State, Target, run_steps};
 use inverse::Prediction;
@@ -20,7 +21,7 @@ impl Base<'_> {
         options.follow_holds = true;
         options.follow_turns = true;
         let mut out: Vec<Option<TestRun>> = (0..self.model.tests.len()).map(|_| None).collect();
-        let mut before: Option<(State, Vec<Chunk<8>>, Vec<Chunk<1>>)> = None;
+        let mut before: Option<(State, Vec<Chunk<WIDTH>>, Vec<Chunk<1>>)> = None;
         let memoryless = self.model.tests.iter().all(|t| !t.has_memory());
         for (t, test) in self.model.tests.iter().enumerate() {
             let problem = Arc::new(test.problem(self.theta));
@@ -50,8 +51,8 @@ impl Base<'_> {
             let warm = kept.map(|w| plan.guesses(&self.model.plan(t, &self.options), w));
             let camera = self.model.camera_at(t, self.theta);
             let mut columns: Vec<&mut (dyn Columns + 'static)> = Vec::new();
-            columns.extend(base.iter_mut().map(|c| c as &mut (dyn Columns + 'static)));
-            columns.extend(extra.iter_mut().map(|c| c as &mut (dyn Columns + 'static)));
+            columns.extend(base.iter_mut().map(|c| c.columns()));
+            columns.extend(extra.iter_mut().map(|c| c.columns()));
             let run = run_steps(
                 &problem,
                 self.theta,

@@ -4,7 +4,7 @@ use super::{Columns, Stage, StepDerivatives};
 use crate::equilibrium::Border;
 use crate::problem::{LocalParams, Problem};
 use crate::system::NONE;
-use constitutive::{Jet, Law, PointLaw};
+use constitutive::{Jet, Law, PointLaw, WIDTH};
 use std::sync::Arc;
 
 /// Columns in chunks of `W` derivatives.
@@ -92,6 +92,23 @@ impl<const W: usize> Chunk<W> {
         let still = self.passes_by() && plain.len() == self.bulk.len();
         (still && u.iter().all(|x| x.eps == [0.0; W]))
             .then(|| plain.iter().map(|&x| Jet::constant(x)).collect())
+    }
+}
+
+// Not generic and not inlined: what a run calls is compiled here, not anew in every crate that runs a model.
+impl Chunk<WIDTH> {
+    /// As a run takes it.
+    #[inline(never)]
+    pub fn columns(&mut self) -> &mut (dyn Columns + 'static) {
+        self
+    }
+}
+
+impl Chunk<1> {
+    /// As a run takes it.
+    #[inline(never)]
+    pub fn columns(&mut self) -> &mut (dyn Columns + 'static) {
+        self
     }
 }
 

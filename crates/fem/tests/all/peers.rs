@@ -168,7 +168,7 @@ fn a_walk_that_leads_nowhere_is_taken_back() {
     let problem = Arc::new(problem);
     let run = |targets: &[Target], options: SteppingOptions| -> Run {
         let mut chunks = columns_for(&problem, &theta, &[0, 9, 10]);
-        let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c as _).collect();
+        let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c.columns()).collect();
         let mut system = System::new(&problem).unwrap();
         run_steps(
             &problem,
@@ -221,7 +221,7 @@ fn peers_torch_fem_derivatives_roughly() {
     let problem = Arc::new(problem(&peer_strip([8, 20, 2], false, true), Ends::Clamped, 1));
     let theta = Tissue::peers(1.0, 0.1).theta(1);
     let mut chunks = columns_for(&problem, &theta, &[0, 1, 2, 4, 5]);
-    let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c as _).collect();
+    let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c.columns()).collect();
     let mut system = System::new(&problem).unwrap();
     let targets = plan(ramp(0.0, 2.0, 10));
     let run = run_steps(

@@ -39,7 +39,7 @@ type Build<'a> = &'a dyn Fn(&[f64]) -> Problem;
 fn differentiate(build: Build, theta: &[f64], seeds: &[usize], targets: &[Target]) -> Run {
     let problem = Arc::new(build(theta));
     let mut chunks = columns_for(&problem, theta, seeds);
-    let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c as _).collect();
+    let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c.columns()).collect();
     let mut system = System::new(&problem).unwrap();
     let run = run_steps(
         &problem,
@@ -321,7 +321,7 @@ fn sensitivities_along_a_followed_path() {
     let seeds = [0, 1, 4, GC, GC + 1];
     let run = |targets: &[Target], follow_path: bool| {
         let mut chunks = columns_for(&problem, &t, &seeds);
-        let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c as _).collect();
+        let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c.columns()).collect();
         let mut system = System::new(&problem).unwrap();
         let o = SteppingOptions { follow_path, ..options() };
         run_steps(&problem, &t, &mut system, None, targets, &mut columns, &NoObserver, o, None, &|| false)

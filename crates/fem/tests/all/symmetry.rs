@@ -44,7 +44,8 @@ fn same_bits_on_one_and_two_threads() {
         pool.install(|| {
             let seeds: Vec<usize> = (0..theta.len()).collect();
             let mut chunks = columns_for(&problem, &theta, &seeds);
-            let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c as _).collect();
+            let mut columns: Vec<&mut (dyn Columns + 'static)> =
+                chunks.iter_mut().map(|c| c.columns()).collect();
             let mut system = System::new(&problem).unwrap();
             run_steps(
                 &problem,
@@ -103,7 +104,7 @@ fn guesses_change_the_cost_but_not_the_answer() {
     let targets = plan(ramp(0.0, 3.0, 10));
     let seeds: Vec<usize> = (0..theta.len()).collect();
     let mut chunks = columns_for(&half, &theta, &seeds);
-    let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c as _).collect();
+    let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c.columns()).collect();
     let mut system = System::new(&half).unwrap();
     let keep = SteppingOptions { keep_states: true, keep_gradients: true, ..tight() };
     let known =

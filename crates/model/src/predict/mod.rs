@@ -196,8 +196,7 @@ impl Model {
             *first = Target { dt: test.test.rest_s.unwrap_or(LONG_REST), rest: true, ..*first };
         }
         let camera = self.camera_at(t, request.theta);
-        let mut columns: Vec<&mut (dyn Columns + 'static)> =
-            chunks.iter_mut().map(|c| c as &mut (dyn Columns + 'static)).collect();
+        let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c.columns()).collect();
         let run = run_steps(
             &problem,
             request.theta,
