@@ -94,6 +94,32 @@ fn what_no_bulk_explains_keeps_its_stages() -> Tested {
     Ok(())
 }
 
+/// How well a staged fit knows the bulk is what the intact strip tells, however noisy the tear's record is said to be.
+#[test]
+fn a_staged_fit_knows_the_bulk_from_the_intact_strip() -> Tested {
+    let folder = synthetic()?;
+    let here = folder.path();
+    fs::write(here.join("fit.toml"), format!("{FIT}[identify]\nmode = \"staged\"\nrelease_bulk = false\n"))?;
+    let intervals = |out: &str| -> Result<Vec<[f64; 2]>, Box<dyn std::error::Error>> {
+        let (code, answer, stderr) = json(here, &["identify", "fit.toml", "--out", out])?;
+        assert_eq!(code, 0, "{stderr}");
+        let list = answer["parameters"].as_array().ok_or("parameters")?;
+        list.iter().map(|p| Ok(serde_json::from_value(p["interval_95_if_right"].clone())?)).collect()
+    };
+    let before = intervals("before")?;
+    let specimen = here.join("runs/strip/specimen.toml");
+    let text = fs::read_to_string(&specimen)?;
+    let (intact, tear) = text.rsplit_once("force_sd_N = ").ok_or("no noise of the tear")?;
+    let (sd, rest) = tear.split_once('\n').ok_or("no end of the line")?;
+    fs::write(&specimen, format!("{intact}force_sd_N = {}\n{rest}", 4.0 * sd.parse::<f64>()?))?;
+    let after = intervals("after")?;
+    // k1 and k2 of the bulk, Gc and σc of the tear.
+    assert_eq!((before.len(), &before[..2]), (4, &after[..2]));
+    let wider = |k: usize| after[k][0] < before[k][0] && after[k][1] > before[k][1];
+    assert!(wider(2) && wider(3), "{before:?} {after:?}");
+    Ok(())
+}
+
 /// Every number that is written is one. JSON writes null for what is none: only what may be unknown is null.
 #[test]
 fn no_file_holds_a_number_that_is_none() -> Tested {
