@@ -13,7 +13,7 @@ ci:
     ./.ci/run
 
 # Whole fits that are too long for every change: each effect found again beside an unknown base, a start from which the record
-# cannot be followed, long records with jitter, the power that `fct design` promises, peels. Some ten minutes.
+# cannot be followed, long records with jitter, the power that `fct design` promises, peels, two cases of the hidden study. Some ten minutes.
 slow:
     cargo test --workspace -- --ignored beside_an_unknown_base is_mended rows_and_jitter noisy_repeats_confirm a_steady_peel synthetic_peel synthetic_sheet another_law_is_called what_bends_the_base a_sensors_effect_is_named a_limit_point_beyond
 
@@ -52,7 +52,7 @@ peers:
 practice:
     cargo run --release -p analysis --example disc -- ../shared/practice/*/config.toml
 
-# The hidden-effect study: makes 244 cases in runs/hidden, diagnoses them, writes docs/hidden.md. A day; resumes.
+# The hidden-effect study: makes 276 cases in runs/hidden, diagnoses them, writes docs/hidden.md. A day; resumes.
 hidden:
     cargo run --release -p hidden-suite -- all
 
@@ -189,9 +189,9 @@ doctor-parameters-hidden CASES RUNS:
 design-power:
     cargo test --workspace --lib design::repeats:: -- --ignored --nocapture --test-threads 1
 
-# Records of 20,000 and 200,000 rows with jitter against 400 clean ones: times and values.
+# Records of 20,000 and 200,000 rows with jitter against 400 clean ones: times and values. A reduction of a million rows.
 long-records:
-    cargo test --workspace --test all sampling:: -- --ignored --nocapture --test-threads 1
+    cargo test --workspace --test all -- sampling:: reduction:: --ignored --nocapture --test-threads 1
 
 # A study as a Slurm array on one node, by Debian's package (installed if need be; root), against the serial run. Ten minutes.
 slurm:

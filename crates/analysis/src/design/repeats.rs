@@ -149,7 +149,7 @@ fn draws() -> usize {
 
 /// `just design-power`
 #[test]
-#[ignore = "many repeats: minutes"]
+#[ignore = "many repeats, minutes: run by `just design-power`"]
 fn noisy_repeats_of_many_effects() {
     let names =
         ["viscoelastic", "mullins", "compliance", "slack", "grip_slip", "drift", "bridging", "prestretch"];
@@ -176,7 +176,7 @@ fn noisy_repeats_of_many_effects() {
 
 /// Without an effect: the parameters scatter as the proposal says, and the screen calls hardly anything.
 #[test]
-#[ignore = "many repeats: minutes"]
+#[ignore = "many repeats, minutes: run by `just design-power`"]
 fn noisy_repeats_scatter_as_promised() {
     with_proposal(|full, answer| {
         let draws = draws();

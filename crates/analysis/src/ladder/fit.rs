@@ -10,7 +10,7 @@ use crate::{priors, start};
 use input::Case;
 use inverse::{FitOptions, Iterate, Objective, quality};
 use model::Model;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -97,7 +97,7 @@ impl FeLadder<'_> {
             problem.start_from(states);
             let options = search_options(&list);
             let little = self.little();
-            let mut watch = self.watch(&model);
+            let mut watch = self.watch(&model, little.clone());
             let asked = Asked {
                 problem: &problem,
                 beside: None,
@@ -132,15 +132,15 @@ impl FeLadder<'_> {
     }
 
     /// The values of χ² that are about the base's.
-    fn little(&self) -> std::ops::Range<f64> {
+    fn little(&self) -> Range<f64> {
         let base = self.fitted_models.get(&Vec::new()).map_or(f64::INFINITY, |f| f.fit.f);
         LITTLE * base..base / LITTLE
     }
 
     /// Tells the steps of a model's fit, and ends one that gains little or that stays behind the leader.
-    fn watch(&self, model: &Model) -> impl FnMut(&Iterate) -> ControlFlow<()> {
+    fn watch(&self, model: &Model, little: Range<f64>) -> impl FnMut(&Iterate) -> ControlFlow<()> {
         let names = super::named(&self.parts_of(model));
-        let (little, progress, leader) = (self.little(), self.progress, self.leader);
+        let (progress, leader) = (self.progress, self.leader);
         let mut last = f64::INFINITY;
         move |i: &Iterate| {
             if let Some(f) = i.f {

@@ -140,7 +140,7 @@ fn rows_and_jitter_change_neither_values_nor_cost() {
 
 /// `just long-records`
 #[test]
-#[ignore = "long records: about a minute"]
+#[ignore = "long records, about a minute: run by `just long-records`"]
 fn twenty_thousand_to_a_million_rows() {
     let folder = tempfile::tempdir().expect("a folder");
     let truth = truth(folder.path());

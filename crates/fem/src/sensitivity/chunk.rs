@@ -97,7 +97,7 @@ impl<const W: usize> Chunk<W> {
 
 // Not generic and not inlined: what a run calls is compiled here, not anew in every crate that runs a model.
 impl Chunk<WIDTH> {
-    /// As a run takes it.
+    /// As [`crate::run_steps`] takes it.
     #[inline(never)]
     pub fn columns(&mut self) -> &mut (dyn Columns + 'static) {
         self
@@ -105,7 +105,7 @@ impl Chunk<WIDTH> {
 }
 
 impl Chunk<1> {
-    /// As a run takes it.
+    /// As [`crate::run_steps`] takes it.
     #[inline(never)]
     pub fn columns(&mut self) -> &mut (dyn Columns + 'static) {
         self

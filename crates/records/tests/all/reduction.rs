@@ -107,9 +107,9 @@ fn a_tear_stays_sharp() {
     assert!(points.force.iter().any(|f| (*f - 200.0).abs() < 0.3), "the peak is cut off");
 }
 
-/// Times: `cargo test --release -p records reduction:: -- --ignored --nocapture`.
+/// Times: `just long-records`.
 #[test]
-#[ignore = "a million rows"]
+#[ignore = "a million rows: run by `just long-records`"]
 fn a_million_rows_take_seconds() {
     let started = std::time::Instant::now();
     let (_, test) = imported(7_200.0, 0.004, "400");
