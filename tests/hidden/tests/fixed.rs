@@ -51,14 +51,10 @@ fn all_are_right(specs: &[Spec]) {
 }
 
 #[test]
-fn a_hidden_effect_is_named() {
-    all_are_right(&[spec("b", 22, &[("mullins", 1.0)])]);
-}
-
-#[test]
 #[ignore = "slow: run by `just slow`"]
-fn a_sensors_effect_is_named_and_nothing_is_seen_where_nothing_is() {
-    all_are_right(&[spec("a", 24, &[]), spec("c", 23, &[("drift", 1.5)])]);
+fn hidden_effects_are_named_and_nothing_is_seen_where_nothing_is() {
+    let (mullins, drift) = (spec("b", 22, &[("mullins", 1.0)]), spec("c", 23, &[("drift", 1.5)]));
+    all_are_right(&[spec("a", 24, &[]), mullins, drift]);
 }
 
 /// A limit point just beyond the end of this record once led the walk past it, and the search to an error.
@@ -104,6 +100,7 @@ fn cases_follow_from_their_seed() {
 
 /// Each law of other people is felt by the strip, and the load cell's noise changes nothing but the noise.
 #[test]
+#[ignore = "slow: run by `just slow`"]
 fn laws_of_other_people_are_felt() {
     let root = tempfile::tempdir().expect("a folder");
     for (k, foreign) in Foreign::ALL.into_iter().enumerate() {

@@ -125,8 +125,8 @@ fn recovered(base: &Case, catalogue: &Catalogue, effect: &Arc<dyn Effect>, seed:
     }
 }
 
-/// All effects in the catalogue's order, each in a record of its own.
-fn all(values: Base, seed: u64) -> Vec<Recovered> {
+/// The effects that are asked for, in the catalogue's order, each in a record of its own.
+fn of(values: Base, seed: u64, asked: impl Fn(&str) -> bool) -> Vec<Recovered> {
     let catalogue = effects::catalogue();
     // Forces that give the effects their sizes.
     let mut base = base(&catalogue, values);
@@ -136,12 +136,10 @@ fn all(values: Base, seed: u64) -> Vec<Recovered> {
             r.force.clone_from(f);
         }
     }
-    let all: Vec<&Arc<dyn Effect>> = catalogue.iter().collect();
-    let said: Vec<Recovered> = all
-        .par_iter()
-        .enumerate()
-        .map(|(k, e)| recovered(&base, &catalogue, e, 100 * seed + k as u64))
-        .collect();
+    let asked: Vec<(u64, &Arc<dyn Effect>)> =
+        (0..).zip(catalogue.iter()).filter(|(_, e)| asked(e.card().name)).collect();
+    let said: Vec<Recovered> =
+        asked.par_iter().map(|(k, e)| recovered(&base, &catalogue, e, 100 * seed + k)).collect();
     for s in &said {
         println!(
             "{:24} truth {:10.4e} found {:10.4e} in {:10.4e} … {:10.4e}{}{} χ² {:.2}",
@@ -158,11 +156,15 @@ fn all(values: Base, seed: u64) -> Vec<Recovered> {
     said
 }
 
-/// Of the effects: at most two miss (one in twenty may), every record is explained; how many are identifiable, and how many
+fn all(values: Base, seed: u64) -> Vec<Recovered> {
+    of(values, seed, |_| true)
+}
+
+/// Of the effects: so many miss at most (one in twenty may), every record is explained; how many are identifiable, and how many
 /// are told from nothing.
-fn check(said: &[Recovered]) -> (usize, usize) {
+fn check(said: &[Recovered], most: usize) -> (usize, usize) {
     let missed: Vec<&str> = said.iter().filter(|s| !s.holds()).map(|s| s.name).collect();
-    assert!(missed.len() <= 2, "{missed:?}");
+    assert!(missed.len() <= most, "{missed:?}");
     for s in said {
         assert!((0.6..1.5).contains(&s.chi2), "{}: χ² {}", s.name, s.chi2);
     }
@@ -171,9 +173,19 @@ fn check(said: &[Recovered]) -> (usize, usize) {
     (seen, sure)
 }
 
+/// One effect of each place at which effects act, which its record tells from nothing.
+const SURE: [&str; 5] = ["mullins", "law_shape", "slack", "prestretch", "lag"];
+
 #[test]
+fn an_effect_of_each_place_is_found_again_in_its_own_record() {
+    let said = of(Base::Held, 1, |name| SURE.contains(&name));
+    assert_eq!(check(&said, 0), (SURE.len(), SURE.len()));
+}
+
+#[test]
+#[ignore = "slow: run by `just slow`"]
 fn every_effect_is_found_again_in_its_own_record() {
-    let (seen, sure) = check(&all(Base::Held, 1));
+    let (seen, sure) = check(&all(Base::Held, 1), 2);
     // The least of twenty seeds.
     assert!(seen >= 19 && sure >= 8, "{seen} {sure}");
 }
@@ -181,7 +193,7 @@ fn every_effect_is_found_again_in_its_own_record() {
 #[test]
 #[ignore = "slow: run by `just slow`"]
 fn every_effect_is_found_again_beside_an_unknown_base() {
-    let (seen, sure) = check(&all(Base::Free, 1));
+    let (seen, sure) = check(&all(Base::Free, 1), 2);
     assert!(seen >= 15 && sure >= 8, "{seen} {sure}");
 }
 

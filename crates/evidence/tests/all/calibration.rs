@@ -76,8 +76,8 @@ fn draw(random: &mut Random, prior: &SetPrior, rest: &RestPrior) -> Drawn {
     Drawn { r, set, beyond }
 }
 
-/// `likeness`: whether effects are asked if they are but the likeness of an unknown cause.
-fn posterior(drawn: &Drawn, prior: &SetPrior, rest: &RestPrior, likeness: bool) -> Posterior {
+/// What is stated where effects are not asked if they are but the likeness of an unknown cause, and where they are.
+fn posteriors(drawn: &Drawn, prior: &SetPrior, rest: &RestPrior) -> [Posterior; 2] {
     let record = pulled(&drawn.r, NoiseModel::white(SD), PEAK);
     let mut models = Vec::new();
     for mask in 0..1usize << EFFECTS.len() {
@@ -93,9 +93,9 @@ fn posterior(drawn: &Drawn, prior: &SetPrior, rest: &RestPrior, likeness: bool) 
         let evidence = Evidence::of(&record, &model, rest, Kernel::Plain).expect("evidence");
         let judged = Judged::new(&names, &evidence, rest, 1.0, prior);
         let left = excess(&record, &model).expect("a misfit");
-        models.push(if likeness { judged.leaving(left) } else { judged });
+        models.push([judged.clone(), judged.leaving(left)]);
     }
-    Posterior::of(&models, prior)
+    [0, 1].map(|k| Posterior::of(&models.iter().map(|m| m[k].clone()).collect::<Vec<_>>(), prior))
 }
 
 /// Sum of stated probabilities against what happened, in standard deviations of a calibrated forecaster.
@@ -116,7 +116,7 @@ fn stated_probabilities_are_frequencies() {
         (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for _ in 0..150 {
         let drawn = draw(&mut random, &prior, &rest);
-        let p = posterior(&drawn, &prior, &rest, false);
+        let [p, _] = posteriors(&drawn, &prior, &rest);
         for (e, (name, _)) in EFFECTS.iter().enumerate() {
             stated.push(p.effects[*name]);
             happened.push(drawn.set.contains(&e));
@@ -188,7 +188,7 @@ fn likeness_makes_names_beside_unknown_causes_honest() {
     let (mut plain, mut asked, mut happened) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..100 {
         let drawn = alike(&mut random, &prior, &rest);
-        let [without, with] = [false, true].map(|l| posterior(&drawn, &prior, &rest, l));
+        let [without, with] = posteriors(&drawn, &prior, &rest);
         for (e, (name, _)) in EFFECTS.iter().enumerate() {
             plain.push(without.effects[*name]);
             asked.push(with.effects[*name]);

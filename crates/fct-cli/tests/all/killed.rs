@@ -12,8 +12,8 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-fn ends(variable: &str) -> u32 {
-    std::env::var(variable).ok().and_then(|n| n.parse().ok()).unwrap_or(3)
+fn ends(variable: &str, otherwise: u32) -> u32 {
+    std::env::var(variable).ok().and_then(|n| n.parse().ok()).unwrap_or(otherwise)
 }
 
 /// Shares of a run's time at which it is killed: spread evenly, beyond its end too (golden-ratio sequence).
@@ -185,16 +185,16 @@ fn taken_up(arguments: &[&str], times: u32, how: &[End]) -> Tested {
 
 #[test]
 fn killed_runs_leave_nothing_broken_and_go_on_to_the_same_bits() -> Tested {
-    COMMANDS.iter().try_for_each(|arguments| taken_up(arguments, ends("FCT_KILLS"), &[End::Kill]))
+    COMMANDS.iter().try_for_each(|arguments| taken_up(arguments, ends("FCT_KILLS", 2), &[End::Kill]))
 }
 
 #[test]
 fn stopped_runs_leave_a_valid_directory_and_go_on_to_the_same_bits() -> Tested {
     // All commands hear of a signal by the same way; `just kills` ends each by each.
     let commands = if std::env::var_os("FCT_SIGNALS").is_some() { &COMMANDS[..] } else { &COMMANDS[..1] };
-    commands
-        .iter()
-        .try_for_each(|arguments| taken_up(arguments, ends("FCT_SIGNALS"), &[End::Int, End::Term, End::Hup]))
+    commands.iter().try_for_each(|arguments| {
+        taken_up(arguments, ends("FCT_SIGNALS", 3), &[End::Int, End::Term, End::Hup])
+    })
 }
 
 #[test]

@@ -117,6 +117,7 @@ fn goh_2006_adventitia_strips() {
 }
 
 #[test]
+#[ignore = "slow: run by `just verification`"]
 fn goh_2006_bulk_modulus_and_mesh() {
     let base = table(GAMMA_DEGREES, [6, 20, 2], 20.0);
     println!("adventitia, displacement (mm) at 2 N for kappa = 0, 0.226, 1/3");
