@@ -5,6 +5,7 @@ use crate::layout::Block;
 use crate::number::{Locale, clock, is_missing, value};
 use crate::text::Text;
 use crate::words::Role;
+use std::ops::Range;
 
 /// More names of segments than that are no names.
 const MOST_LABELS: usize = 2000;
@@ -62,89 +63,133 @@ pub(crate) fn read(
     columns: &[Column],
     locale: Locale,
 ) -> (Rows, Unread) {
-    let mut rows = Rows::default();
-    let mut unread = Unread::default();
-    let segments: Vec<usize> = columns.iter().filter(|c| c.role == Role::Segment).map(|c| c.index).collect();
-    let of = |roles: &[Role]| columns.iter().find(|c| roles.contains(&c.role));
-    let time = of(&[Role::Time]);
-    let displacement = of(&[Role::Displacement, Role::Strain, Role::Stretch]);
-    let force = of(&[Role::Force, Role::Stress]);
-    let cameras = [of(&[Role::GripDisplacement]), of(&[Role::TearFront]), of(&[Role::WidthChange])];
-    for (channel, column) in rows.camera.iter_mut().zip(cameras) {
-        *channel = column.map(|_| Vec::new());
-    }
-    let across = [of(&[Role::DisplacementX]), of(&[Role::ForceX])];
-    rows.across = across.map(|column| column.map(|_| Vec::new()));
-    let mut ranges = Vec::new();
-    let mut label = String::new();
+    let mut reading = Reading::of(columns, locale);
+    let mut cells = Vec::new();
     for (table, block) in blocks.iter().enumerate() {
         for k in block.rows.clone() {
             let line = text.line(k);
             if line.trim().is_empty() || line.trim_start().starts_with('#') {
                 continue;
             }
-            text.cells(k, delimiter, &mut ranges);
-            let at = rows.row.len();
-            let mut needed = |column: Option<&Column>| {
-                let Some(column) = column else { return f64::NAN };
-                let cell = ranges.get(column.index).map_or("", |r| &line[r.clone()]);
-                number(cell, column, locale).unwrap_or_else(|| {
-                    let bad = Bad {
-                        at,
-                        column: column.index + 1,
-                        name: column.name.clone(),
-                        cell: cell.chars().take(60).collect(),
-                    };
-                    if is_missing(cell) {
-                        unread.missing.push(bad)
-                    } else {
-                        unread.unreadable.push(bad)
-                    }
-                    f64::NAN
-                })
-            };
-            let (t, u, f) = (needed(time), needed(displacement), needed(force));
-            rows.time.push(t);
-            rows.displacement.push(u);
-            rows.force.push(f);
-            for (channel, column) in rows.across.iter_mut().zip(across) {
-                channel.iter_mut().for_each(|c| c.push(needed(column)));
-            }
-            for (channel, column) in rows.camera.iter_mut().zip(cameras) {
-                if let (Some(channel), Some(column)) = (channel, column) {
-                    // A camera sees less often than the load cell: a blank is no fault.
-                    let cell = ranges.get(column.index).map_or("", |r| &line[r.clone()]);
-                    channel.push(if is_missing(cell) { f64::NAN } else { needed(Some(column)) });
-                }
-            }
-            if !segments.is_empty() {
-                label.clear();
-                for index in &segments {
-                    let cell = ranges.get(*index).map_or("", |r| line[r.clone()].trim());
-                    if !label.is_empty() && !cell.is_empty() {
-                        label.push(' ');
-                    }
-                    label.push_str(cell);
-                }
-                if rows.labels.len() >= MOST_LABELS {
-                    rows.row.push(u32::try_from(k + 1).unwrap_or(u32::MAX));
-                    rows.table.push(u32::try_from(table).unwrap_or(u32::MAX));
-                    continue;
-                }
-                let known = rows.label.last().is_some_and(|l| rows.labels[*l as usize] == label);
-                let index = if known { rows.label[at - 1] } else { index_of(&mut rows.labels, &label) };
-                rows.label.push(index);
-            }
-            rows.row.push(u32::try_from(k + 1).unwrap_or(u32::MAX));
-            rows.table.push(u32::try_from(table).unwrap_or(u32::MAX));
+            text.cells(k, delimiter, &mut cells);
+            reading.row(&Line { text: line, cells: &cells });
+            reading.rows.row.push(u32::try_from(k + 1).unwrap_or(u32::MAX));
+            reading.rows.table.push(u32::try_from(table).unwrap_or(u32::MAX));
         }
     }
+    let Reading { mut rows, unread, .. } = reading;
     // A name of its own in every row is a count, no name.
     if rows.label.len() != rows.row.len() {
         rows.label.clear();
         rows.labels.clear();
     }
     (rows, unread)
+}
+
+/// A line, and where its cells stand.
+struct Line<'a> {
+    text: &'a str,
+    cells: &'a [Range<usize>],
+}
+
+impl<'a> Line<'a> {
+    /// Empty where the line ends before it.
+    fn cell(&self, index: usize) -> &'a str {
+        self.cells.get(index).map_or("", |r| &self.text[r.clone()])
+    }
+}
+
+/// Columns by what is read from them, and what was read so far.
+struct Reading<'a> {
+    time: Option<&'a Column>,
+    displacement: Option<&'a Column>,
+    force: Option<&'a Column>,
+    camera: [Option<&'a Column>; 3],
+    across: [Option<&'a Column>; 2],
+    segments: Vec<usize>,
+    locale: Locale,
+    label: String,
+    rows: Rows,
+    unread: Unread,
+}
+
+impl<'a> Reading<'a> {
+    fn of(columns: &'a [Column], locale: Locale) -> Self {
+        let of = |roles: &[Role]| columns.iter().find(|c| roles.contains(&c.role));
+        let camera = [of(&[Role::GripDisplacement]), of(&[Role::TearFront]), of(&[Role::WidthChange])];
+        let across = [of(&[Role::DisplacementX]), of(&[Role::ForceX])];
+        Self {
+            time: of(&[Role::Time]),
+            displacement: of(&[Role::Displacement, Role::Strain, Role::Stretch]),
+            force: of(&[Role::Force, Role::Stress]),
+            camera,
+            across,
+            segments: columns.iter().filter(|c| c.role == Role::Segment).map(|c| c.index).collect(),
+            locale,
+            label: String::new(),
+            rows: Rows {
+                camera: camera.map(|column| column.map(|_| Vec::new())),
+                across: across.map(|column| column.map(|_| Vec::new())),
+                ..Rows::default()
+            },
+            unread: Unread::default(),
+        }
+    }
+
+    fn row(&mut self, line: &Line) {
+        let [t, u, f] = [self.time, self.displacement, self.force].map(|c| self.needed(line, c));
+        self.rows.time.push(t);
+        self.rows.displacement.push(u);
+        self.rows.force.push(f);
+        for (channel, column) in self.across.into_iter().enumerate() {
+            let value = self.needed(line, column);
+            self.rows.across[channel].iter_mut().for_each(|c| c.push(value));
+        }
+        for (channel, column) in self.camera.into_iter().enumerate() {
+            // A camera sees less often than the load cell: a blank is no fault.
+            let blank = column.is_none_or(|c| is_missing(line.cell(c.index)));
+            let value = if blank { f64::NAN } else { self.needed(line, column) };
+            self.rows.camera[channel].iter_mut().for_each(|c| c.push(value));
+        }
+        if !self.segments.is_empty() {
+            self.name(line);
+        }
+    }
+
+    /// The number of a cell; what is none is noted.
+    fn needed(&mut self, line: &Line, column: Option<&Column>) -> f64 {
+        let Some(column) = column else { return f64::NAN };
+        let cell = line.cell(column.index);
+        number(cell, column, self.locale).unwrap_or_else(|| {
+            let list = if is_missing(cell) { &mut self.unread.missing } else { &mut self.unread.unreadable };
+            list.push(Bad {
+                at: self.rows.row.len(),
+                column: column.index + 1,
+                name: column.name.clone(),
+                cell: cell.chars().take(60).collect(),
+            });
+            f64::NAN
+        })
+    }
+
+    /// The name of the row's segment, as long as there are not too many.
+    fn name(&mut self, line: &Line) {
+        if self.rows.labels.len() >= MOST_LABELS {
+            return;
+        }
+        self.label.clear();
+        for index in &self.segments {
+            let cell = line.cell(*index).trim();
+            if !self.label.is_empty() && !cell.is_empty() {
+                self.label.push(' ');
+            }
+            self.label.push_str(cell);
+        }
+        let last = self.rows.label.last().copied();
+        let known = last.filter(|l| self.rows.labels[*l as usize] == self.label);
+        let index = known.unwrap_or_else(|| index_of(&mut self.rows.labels, &self.label));
+        self.rows.label.push(index);
+    }
 }
 
 fn index_of(labels: &mut Vec<String>, label: &str) -> u32 {

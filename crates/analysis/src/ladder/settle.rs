@@ -7,7 +7,7 @@ use crate::correction::Correction;
 use crate::identify::{AnalysisError, run_options, runs_as_long};
 use crate::journal::{Asked, remembered};
 use crate::problem::FeProblem;
-use inverse::{FitOptions, Iterate, MappedOptions, Objective, PredictError, Problem as _, quality};
+use inverse::{Fit, FitOptions, Iterate, MappedOptions, Objective, PredictError, Problem as _, quality};
 use model::{Discretisation, Model, RunOptions};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -127,11 +127,9 @@ impl FeLadder<'_> {
         if let Some(s) = states {
             problem.start_from(s.guesses(&fine, &options));
         }
-        let Begun { model, theta, free, free_parameters, warm } = begun;
-        let cheap = FeProblem::new(&model, theta, free.clone(), slots, self.options, self.cancelled);
-        cheap.start_from(warm.clone());
-        let how = mapped_options(rounds, runs_as_long(&fine, &options, &model, &self.options));
-        let name = named(&self.parts_of(&model));
+        let cheap = self.on_search_mesh(&begun);
+        let how = mapped_options(rounds, runs_as_long(&fine, &options, &begun.model, &self.options));
+        let name = named(&self.parts_of(&begun.model));
         let say = self.progress;
         let mut told = |i: &Iterate| {
             let chi2 = i.f.map_or("no answer".into(), |f| format!("χ² {f:.1}"));
@@ -139,18 +137,18 @@ impl FeLadder<'_> {
             ControlFlow::Continue(())
         };
         let mut quiet = |_: &Iterate| ControlFlow::Continue(());
-        let data = &self.measured.data;
+        let (data, free) = (&self.measured.data, begun.free_parameters.as_slice());
         let asked = Asked {
             problem: &problem,
             beside: Some(&cheap),
             data,
-            free: &free_parameters,
+            free,
             options: &how.outer,
             how: &format!("{how:?}"),
             cancelled: self.cancelled,
         };
         let done = remembered(self.journal, &asked, &mut told, &mut |told| {
-            Ok((inverse::fit_mapped(&problem, &cheap, data, &free_parameters, &how, told, &mut quiet)?, None))
+            Ok((inverse::fit_mapped(&problem, &cheap, data, free, &how, told, &mut quiet)?, None))
         });
         let done = match done {
             Ok(done) => done,
@@ -160,30 +158,43 @@ impl FeLadder<'_> {
             Err(e) => return Err(e),
         };
         self.runs.fetch_add(done.runs, Ordering::Relaxed);
-        let end = done.fit;
+        drop((problem, cheap));
+        let states = FineStates { model: fine, warm: done.warm };
+        Ok(self.settled_at(begun, done.fit)?.map(|fitted| (fitted, states)))
+    }
+
+    /// A rung at the end of its fit on the file's mesh; `None` where the search's gives no answer there.
+    fn settled_at(&self, begun: Begun, end: Fit) -> Result<Option<Fitted>, AnalysisError> {
         // From the same states whether the fit was done or remembered: the same bits.
-        cheap.start_from(warm);
+        let cheap = self.on_search_mesh(&begun);
         let own = match cheap.predict(&end.theta, true) {
             Ok(own) => own,
             Err(PredictError::NotComputable(_)) => return Ok(None),
             Err(e) => return Err(e.into()),
         };
-        let correction = Correction::first_order(&free_parameters, &end.theta, &end.prediction, &own);
-        let quality = quality(data, &free_parameters, &end);
-        let (theta, warm, fine_warm) = (cheap.full(&end.theta), cheap.warm(), done.warm);
-        drop((problem, cheap));
-        let settled = Fitted {
+        let (theta, warm) = (cheap.full(&end.theta), cheap.warm());
+        drop(cheap);
+        let Begun { model, free, free_parameters, .. } = begun;
+        Ok(Some(Fitted {
             theta,
+            quality: quality(&self.measured.data, &free_parameters, &end),
+            correction: Correction::first_order(&free_parameters, &end.theta, &end.prediction, &own),
             free_parameters,
             fit: end,
-            quality,
-            correction,
             settled: true,
             warm,
             free,
             model,
-        };
-        Ok(Some((settled, FineStates { model: fine, warm: fine_warm })))
+        }))
+    }
+
+    /// The model of a fit's start on the search's mesh, with its states.
+    fn on_search_mesh<'a>(&'a self, begun: &'a Begun) -> FeProblem<'a> {
+        let (theta, free) = (begun.theta.clone(), begun.free.clone());
+        let slots = &self.measured.slots;
+        let cheap = FeProblem::new(&begun.model, theta, free, slots, self.options, self.cancelled);
+        cheap.start_from(begun.warm.clone());
+        cheap
     }
 
     /// A model of the search's, on the file's mesh.
