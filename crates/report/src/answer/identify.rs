@@ -138,8 +138,13 @@ impl IdentifyAnswer {
             starts: done.starts.clone(),
         };
         answer.path_means = answer.means_along_path();
-        answer.remarks.extend(by_energy(&answer.tests, answer.path_means.get("gc")));
+        answer.remarks.extend(answer.beside());
         answer
+    }
+
+    /// Those of the remarks that say nothing against the answer: the toughness by the energy of each record.
+    pub fn beside(&self) -> Vec<String> {
+        by_energy(&self.tests, self.path_means.get("gc"))
     }
 }
 

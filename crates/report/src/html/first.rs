@@ -111,15 +111,16 @@ fn values(a: &IdentifyAnswer) -> String {
         .iter()
         .map(|(end, name)| match of(end).as_slice() {
             [] => String::new(),
-            [one] => tile(name, &alone(one)),
-            all => tile(name, &together(a, end, all)),
+            [one] => tile(name, readable_unit(&one.path, &one.unit).0, &alone(one)),
+            all => tile(name, readable_unit(&all[0].path, &all[0].unit).0, &together(a, end, all)),
         })
         .collect()
 }
 
+/// A value, and what is known of it.
 fn alone(p: &ParameterAnswer) -> [String; 2] {
-    let (unit, factor) = readable_unit(&p.path, &p.unit);
-    let value = format!("{} {unit}", significant(p.value * factor, 4));
+    let (_, factor) = readable_unit(&p.path, &p.unit);
+    let value = significant(p.value * factor, 4);
     let known = match (p.at_bound, p.identifiable) {
         (true, _) => format!("95 %: {}; it stands at a bound", interval(p, factor)),
         (_, false) => "not fixed by the records".to_owned(),
@@ -130,7 +131,6 @@ fn alone(p: &ParameterAnswer) -> [String; 2] {
 
 fn together(a: &IdentifyAnswer, end: &str, all: &[&ParameterAnswer]) -> [String; 2] {
     let fixed = known(a, end);
-    let unit = all.first().map_or("", |p| readable_unit(&p.path, &p.unit).0);
     if let Some(mean) = a.path_means.get(end.trim_start_matches("].")) {
         let of = if mean.counted < mean.areas {
             format!(", {} of {} areas", mean.counted, mean.areas)
@@ -145,7 +145,7 @@ fn together(a: &IdentifyAnswer, end: &str, all: &[&ParameterAnswer]) -> [String;
         };
         let note =
             format!("mean along the tear path{of} ± its standard error (95 %: {low} – {high}); {by_itself}");
-        return [format!("{} ± {error} {unit}", significant(mean.value, 3)), note];
+        return [format!("{} ± {error}", significant(mean.value, 3)), note];
     }
     if fixed.is_empty() {
         return ["–".into(), format!("in none of the {} areas fixed by the records", all.len())];
@@ -165,14 +165,12 @@ fn together(a: &IdentifyAnswer, end: &str, all: &[&ParameterAnswer]) -> [String;
         1 => format!("of the only one of {} areas that the records fix{range}", all.len()),
         n => format!("mean ± SD of the {n} of {} areas that the records fix{range}", all.len()),
     };
-    [format!("{} {unit}", pair(mean_sd(&fixed))), what]
+    [pair(mean_sd(&fixed)), what]
 }
 
-fn tile(name: &str, [value, note]: &[String; 2]) -> String {
+fn tile(name: &str, unit: &str, [value, note]: &[String; 2]) -> String {
+    let [name, value, unit, note] = [name, value, unit, note].map(escape);
     format!(
-        "<div class=\"value\"><span>{}</span><b>{}</b><span>{}</span></div>\n",
-        escape(name),
-        escape(value),
-        escape(note)
+        "<div class=\"value\"><span>{name}</span><b>{value} <small>{unit}</small></b><span>{note}</span></div>\n"
     )
 }

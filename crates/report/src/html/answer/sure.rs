@@ -54,8 +54,13 @@ pub(super) fn card(v: &View) -> Card {
     for told in v.current().iter().filter_map(|r| r.answer.starts.as_ref()) {
         body.push_str(&format!("<li>{}</li>", escape(told)));
     }
-    for remark in v.current().iter().flat_map(|r| &r.answer.remarks) {
-        body.push_str(&format!("<li class=\"bad\">{}</li>", escape(remark)));
+    for answer in v.current().iter().map(|r| &r.answer) {
+        // What stands beside the answer is no fault of it.
+        let beside = answer.beside();
+        for remark in &answer.remarks {
+            let class = if beside.contains(remark) { "" } else { " class=\"bad\"" };
+            body.push_str(&format!("<li{class}>{}</li>", escape(remark)));
+        }
     }
     Card { question, good: None, head, body: format!("<ul>{body}</ul>") }
 }
