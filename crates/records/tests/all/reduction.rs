@@ -47,6 +47,21 @@ fn imported(rate: f64, sd: f64, points: &str) -> (Vec<[f64; 3]>, Test) {
     (rows, read.tests.remove(0))
 }
 
+/// A column that counts rows names no segments; one that counts the legs of a protocol does.
+#[test]
+fn a_count_of_rows_is_no_name() {
+    let segments = |leg: usize| {
+        let mut text = String::from("Time [s],Extension [mm],Load [N],Step\n");
+        for i in 0..2500_usize {
+            let t = i as f64 / 25.0;
+            let _ = writeln!(text, "{t},{},{},{}", 0.02 * t, 0.001 * t, i / leg + 1);
+        }
+        import("a.csv", text.as_bytes(), &[]).expect("read").tests[0].segments.clone()
+    };
+    assert_eq!(segments(1000), ["1", "2", "3"]);
+    assert!(segments(1).is_empty());
+}
+
 #[test]
 fn points_keep_turns_and_average_the_rest() {
     let sd = 0.004;
