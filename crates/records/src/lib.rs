@@ -24,6 +24,7 @@
 mod axes;
 mod bytes;
 pub mod choices;
+mod clock;
 mod columns;
 mod dialects;
 mod encoding;
@@ -41,9 +42,13 @@ mod path;
 mod physics;
 mod reduce;
 mod rows;
+mod settle;
 mod sniff;
+mod source;
 mod table;
+mod test;
 mod text;
+mod trouble;
 pub mod units;
 pub mod words;
 mod workbook;
@@ -57,9 +62,9 @@ pub use geometry::Geometry;
 pub use header::HeaderEntry;
 pub use import::{Import, Reading, Test, import, import_bytes};
 pub use output::specimen;
-pub use physics::Proposal;
 pub use reduce::Reduction;
 pub use rows::Rows;
+pub use settle::Proposal;
 
 /// The example of the README is compiled and run.
 #[cfg(doctest)]

@@ -8,16 +8,7 @@ use crate::layout::Block;
 use crate::number::{self, Locale};
 use crate::sniff;
 use crate::text::Text;
-
-/// Why no table was taken.
-pub(crate) enum Trouble {
-    /// No table.
-    None,
-    /// Flags must decide.
-    Ask(Vec<Question>),
-    /// Flags or the table are wrong.
-    Wrong(Vec<Fault>),
-}
+use crate::trouble::Trouble;
 
 /// The table that is the record: the longest of those whose names can be it, with its columns.
 pub(crate) fn table<'a>(
@@ -33,7 +24,7 @@ pub(crate) fn table<'a>(
             .filter(|b| !named || with(text, delimiter, b, choices, hints, |a| a.has_names()))
             .max_by_key(|b| b.count)
     };
-    let block = longest(true).or_else(|| longest(false)).ok_or(Trouble::None)?;
+    let block = longest(true).or_else(|| longest(false)).ok_or(Trouble::NoTable)?;
     let names = block.names.iter().filter(|n| !n.is_empty()).count();
     if delimiter == ',' && names >= 2 && block.width == 2 * names {
         return Err(Trouble::Wrong(vec![Fault {

@@ -13,6 +13,7 @@ mod events;
 mod guard;
 mod numbers;
 mod opened;
+mod perform;
 mod queue;
 mod routes;
 mod server;
