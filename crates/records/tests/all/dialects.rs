@@ -92,6 +92,15 @@ fn segments_and_cameras_come_along() {
     assert_eq!(lines.count() + 2, pull().len());
 }
 
+/// Cells of a sheet are cells, whatever the user says of files that are texts.
+#[test]
+fn a_sheet_needs_no_delimiter() {
+    let variant = variants::all().into_iter().find(|v| v.file == "book.xlsx").expect("a file");
+    let flags = [variant.flags, &[("delimiter", ";")]].concat();
+    let read = import("book.xlsx", &variant.bytes, &flags).expect("read");
+    assert_eq!(read.tests[0].full.force, twin()[2]);
+}
+
 #[test]
 fn headers_fill_the_geometry() {
     for (file, expected) in [

@@ -2,6 +2,8 @@
 
 mod common;
 mod dialects;
+mod measures;
 mod open;
 mod reduction;
 mod round_trip;
+mod settled;

@@ -2,7 +2,7 @@
 
 use crate::common;
 
-use common::{Look, import};
+use common::{HEAD, Look, import, read, told};
 use records::{FaultKind, Import, ImportError};
 
 /// Flags of the questions that a file leaves open.
@@ -13,16 +13,6 @@ fn asked(text: &str, flags: &[(&str, &str)]) -> Vec<String> {
         Ok(_) => Vec::new(),
     }
 }
-
-fn read(text: &str, flags: &[(&str, &str)]) -> Import {
-    import("a.csv", text.as_bytes(), flags).unwrap_or_else(|e| panic!("{e}"))
-}
-
-fn told(text: &str, flags: &[(&str, &str)]) -> String {
-    import("a.csv", text.as_bytes(), flags).map(|_| String::new()).unwrap_or_else(|e| e.to_string())
-}
-
-const HEAD: &str = "Time [s],Extension [mm],Load [N]\n";
 
 #[test]
 fn nothing_is_guessed() {
@@ -65,24 +55,6 @@ fn commas_for_everything_are_told() {
     let text =
         "Time [s],Extension [mm],Load [N]\n0,0,0,00,0,12\n0,5,0,02,0,34\n1,0,0,05,0,55\n1,5,0,07,0,77\n";
     assert!(told(text, &[]).contains("commas both between cells and in numbers"), "{}", told(text, &[]));
-}
-
-#[test]
-fn a_strain_needs_a_length_and_a_stress_an_area() {
-    let rows = Look::PLAIN.table();
-    let message = told(&format!("Time [s],Stretch,Stress [kPa]\n{rows}"), &[]);
-    for needed in ["the length of the specimen", "the width", "the thickness", "--geometry strip.toml"] {
-        assert!(message.contains(needed), "{message}");
-    }
-    let nominal = read("t [s],Stretch,Stress [kPa]\n0,1,0\n1,1.1,10\n2,1.2,20\n", &[("geometry", "")]);
-    // 10 kPa on 6 mm x 0.8 mm; 10 mm long.
-    assert!((nominal.tests[0].full.force[1] - 0.048).abs() < 1e-12);
-    assert!((nominal.tests[0].full.displacement[2] - 2.0).abs() < 1e-12);
-    let cauchy = read("t [s],Stretch,True stress [kPa]\n0,1,0\n1,1.1,10\n2,1.2,24\n", &[("geometry", "")]);
-    assert!((cauchy.tests[0].full.force[2] - 0.024 * 4.8 / 1.2).abs() < 1e-12);
-    assert!(cauchy.done.iter().any(|d| d.contains("true (Cauchy) stress")), "{:?}", cauchy.done);
-    let hencky = read("t [s],True strain [1],Load [N]\n0,0,0\n1,0.1,1\n2,0.2,2\n", &[("geometry", "")]);
-    assert!((hencky.tests[0].full.displacement[2] - 10.0 * (0.2_f64.exp() - 1.0)).abs() < 1e-12);
 }
 
 #[test]
@@ -140,6 +112,10 @@ fn faults_of_rows_are_counted_with_their_rule() {
     assert_eq!(blank.faults[0].rows, [9, 92]);
     let twice = read(&record(|i| if i == 41 { s("10", "0.4", "1.6") } else { None }), &[]);
     assert_eq!(kinds(&twice), [(FaultKind::Repeated, 1, "dropped")]);
+    assert!(twice.faults[0].what.contains("(1 the same in all"), "{}", twice.faults[0].what);
+    let other = read(&record(|i| if i == 41 { s("10", "0.4", "1.7") } else { None }), &[]);
+    assert!(other.faults[0].what.contains("(0 the same in all"), "{}", other.faults[0].what);
+    assert_eq!(other.tests[0].full.force[40], 1.6);
     let back = read(&record(|i| if i == 50 { s("3", "0.5", "2.5") } else { None }), &[]);
     assert_eq!(kinds(&back), [(FaultKind::Backward, 1, "dropped")]);
     let ahead = read(&record(|i| if i == 50 { s("999", "0.5", "2.5") } else { None }), &[]);
@@ -189,27 +165,6 @@ fn a_clock_that_starts_again_is_asked_about() {
     assert_eq!(split.tests.iter().map(|t| t.file_rows).collect::<Vec<_>>(), [(2, 11), (12, 21), (22, 31)]);
     let append = read(&text, &[("restart", "append")]);
     assert_eq!(append.tests[0].full.time, (0..30).map(f64::from).collect::<Vec<_>>());
-}
-
-#[test]
-fn signs_and_offsets_are_proposed_and_changed_only_when_asked() {
-    let rows: String = (0..60)
-        .map(|i| format!("{i},{},{}\n", -3.0 - f64::from(i) / 10.0, -0.5 - f64::from(i * i) / 100.0))
-        .collect();
-    let text = format!("{HEAD}{rows}");
-    let plain = read(&text, &[]);
-    let flags: Vec<&str> = plain.tests[0].proposals.iter().map(|p| p.flag.as_str()).collect();
-    assert_eq!(flags, ["--flip displacement", "--flip force", "--zero", "--tare"]);
-    assert_eq!((plain.tests[0].full.displacement[0], plain.tests[0].full.force[0]), (-3.0, -0.5));
-    let done = read(&text, &[("flip", ""), ("zero", ""), ("tare", "")]);
-    let test = &done.tests[0];
-    assert!(test.proposals.is_empty(), "{:?}", test.proposals);
-    assert_eq!((test.full.displacement[0], test.full.force[0], test.done.len()), (0.0, 0.0, 4));
-    assert!((test.full.displacement[59] - 5.9).abs() < 1e-12 && (test.full.force[59] - 34.81).abs() < 1e-12);
-    let slack: String =
-        (0..60).map(|i| format!("{i},{},{}\n", f64::from(i) / 10.0, f64::from((i - 20).max(0)))).collect();
-    let slack = read(&format!("{HEAD}{slack}"), &[]);
-    assert!(slack.tests[0].proposals[0].why.contains("slack"), "{:?}", slack.tests[0].proposals);
 }
 
 #[test]

@@ -83,7 +83,15 @@ pub fn import(name: &str, bytes: &[u8], flags: &[(&str, &str)]) -> Result<Import
             }
             "frequency" => choices.frequency = value.parse().ok(),
             "skip-rows" => choices.skip_rows = value.parse().expect("a number"),
-            "flip" => choices.flip = Some(records::Flip::Found),
+            "flip" => {
+                choices.flip = Some(match *value {
+                    "force" => records::Flip::Force,
+                    "displacement" => records::Flip::Displacement,
+                    "both" => records::Flip::Both,
+                    _ => records::Flip::Found,
+                })
+            }
+            "two-axes" => choices.two_axes = true,
             "zero" => choices.zero = true,
             "tare" => choices.tare = true,
             "drop" => choices.drop.push(match *value {
@@ -97,6 +105,19 @@ pub fn import(name: &str, bytes: &[u8], flags: &[(&str, &str)]) -> Result<Import
         }
     }
     records::import_bytes(Path::new(name), bytes.to_vec(), &choices, &mut geometry)
+}
+
+/// Names of a table that leaves nothing open.
+pub const HEAD: &str = "Time [s],Extension [mm],Load [N]\n";
+
+/// A text that must be a record.
+pub fn read(text: &str, flags: &[(&str, &str)]) -> Import {
+    import("a.csv", text.as_bytes(), flags).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// What is said of a text that is none; empty of one that is.
+pub fn told(text: &str, flags: &[(&str, &str)]) -> String {
+    import("a.csv", text.as_bytes(), flags).map(|_| String::new()).unwrap_or_else(|e| e.to_string())
 }
 
 /// Three decimals in a line, in the units of a dialect.
