@@ -162,6 +162,10 @@ impl Sink {
             let file = files.iter().position(|f| *f == d.file);
             (file, d.line.unwrap_or(usize::MAX), d.column)
         });
+        // A table that is asked twice says twice what is wrong with it.
+        found.dedup_by(|a, b| {
+            (&a.file, a.line, a.column, &a.message) == (&b.file, b.line, b.column, &b.message)
+        });
         found
     }
 }

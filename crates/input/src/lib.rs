@@ -57,7 +57,7 @@ pub use experiment::{Balance, ExperimentCard, ExperimentRegistry, Layout, TestKi
 pub use inputs::{InputFile, sha256};
 pub use keys::{Fallback, Key, Kind, Limits, keys};
 pub use locate::locate;
-pub use read::{LARGEST_TOML, Reading, keys_of_law, name_fault, read_case, read_case_as};
+pub use read::{LARGEST_TOML, Reading, check_geometry, keys_of_law, name_fault, read_case, read_case_as};
 pub use registry::{EffectRegistry, LawRegistry, LawSite, OptionKind, OptionSpec};
 pub use schema::json_schema;
 pub use study::{Row, Study, StudyModel, Task, read_study};

@@ -2,6 +2,7 @@
 
 use crate::error::{ImportError, short, visible};
 use crate::header::HeaderEntry;
+use crate::units::{self, Measure};
 use crate::words::Dimension;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -109,15 +110,17 @@ impl Geometry {
 
     /// Whether a specimen file can be complete.
     pub fn is_complete(&self) -> bool {
-        self.table.is_some() || (self.length.is_some() && self.width.is_some() && self.thickness.is_some())
+        self.length.is_some() && self.width.is_some() && self.thickness.is_some()
     }
 }
 
-/// `name_mm = 10.0`, `name_um = 800`, …
-fn length(table: &toml::Table, name: &str) -> Option<f64> {
-    let (unit, value) =
-        table.iter().find_map(|(k, v)| Some((k.strip_prefix(name)?.strip_prefix('_')?, v)))?;
-    let number = value.as_float().or_else(|| value.as_integer().map(|i| i as f64))?;
-    let unit = crate::units::parse(unit).filter(|u| u.measure == crate::units::Measure::Length)?;
-    Some(number * unit.scale())
+/// `name_mm = 10.0`, `name_um = 800`, …: a positive length, for a cut also 0.
+pub(crate) fn length(table: &toml::Table, name: &str) -> Option<f64> {
+    table.iter().find_map(|(key, value)| {
+        let unit = units::parse(key.strip_prefix(name)?.strip_prefix('_')?)?;
+        let number = value.as_float().or_else(|| value.as_integer().map(|i| i as f64))?;
+        let mm = number * unit.scale();
+        (unit.measure == Measure::Length && mm.is_finite() && (mm > 0.0 || mm == 0.0 && name == "cut"))
+            .then_some(mm)
+    })
 }

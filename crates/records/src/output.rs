@@ -56,21 +56,20 @@ fn cell(text: &str) -> String {
 pub fn specimen(name: &str, provenance: &str, geometry: &Geometry, tests: &[Test]) -> String {
     let text = |s: &str| toml::Value::String(visible(s)).to_string();
     let mut out = format!("name = {}\nprovenance = {}\n\n[geometry]\n", text(name), text(provenance));
-    if let Some(table) = &geometry.table {
-        out.push_str(&toml::to_string(table).unwrap_or_default());
-    } else {
-        let known = [
-            ("length_mm", geometry.length, "between the clamps, along the load"),
-            ("width_mm", geometry.width, "along the tear"),
-            ("thickness_mm", geometry.thickness, "through the strip"),
-            ("cut_mm", geometry.cut, "initial cut from the edge x = 0"),
-        ];
-        for (key, value, what) in known {
-            let _ = match value {
-                Some(v) => writeln!(out, "{key} = {v:?}    # {what}; from the record's header"),
-                None => writeln!(out, "# {key} =     # {what}: not in the record; fill it in"),
-            };
-        }
+    let table = geometry.table.as_ref();
+    out.push_str(&table.and_then(|t| toml::to_string(t).ok()).unwrap_or_default());
+    for (name, value, what) in [
+        ("length", geometry.length, "between the clamps, along the load"),
+        ("width", geometry.width, "along the tear"),
+        ("thickness", geometry.thickness, "through the strip"),
+        ("cut", geometry.cut, "initial cut from the edge x = 0"),
+    ] {
+        let _ = match value {
+            Some(_) if table.is_some_and(|t| crate::geometry::length(t, name).is_some()) => Ok(()),
+            Some(v) => writeln!(out, "{name}_mm = {v:?}    # {what}; from the record's header"),
+            None if table.is_some() && name == "cut" => Ok(()),
+            None => writeln!(out, "# {name}_mm =     # {what}: not in the record; fill it in"),
+        };
     }
     for test in tests {
         let _ = write!(

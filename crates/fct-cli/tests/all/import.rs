@@ -141,8 +141,43 @@ fn a_specimen_is_written_with_a_name_that_it_can_have() -> Tested {
     assert_eq!(code, Some(0), "{stderr}");
     fs::write(here.join("bad.toml"), format!("name = \"P7/23\"\n{sides}"))?;
     let (code, stderr) = message(here, &["import", "a.csv", "--geometry", "bad.toml", "--out", "b"])?;
-    assert!(code == Some(2) && stderr.contains("bad.toml: error: `name` is \"P7/23\""), "{stderr}");
+    assert!(code == Some(2) && stderr.contains("bad.toml:1:8: error: `name` is \"P7/23\""), "{stderr}");
     assert!(!here.join("b").exists());
+    Ok(())
+}
+
+/// What a geometry file says must be right, key by key; what it leaves out comes from the record's header, or is left to be
+/// filled in, and then nothing is called complete.
+#[test]
+fn a_geometry_file_is_right_or_refused_and_may_be_a_part() -> Tested {
+    let folder = tempfile::tempdir()?;
+    let here = folder.path();
+    let rows = "Time [s],Extension [mm],Load [N]\n0,0,0\n1,0.1,0.2\n2,0.2,0.4\n";
+    fs::write(here.join("a.csv"), rows)?;
+    fs::write(here.join("b.csv"), format!("Specimen width: 6.0 mm\nThickness: 0.8 mm\n{rows}"))?;
+    for (geometry, expected) in [
+        ("length_mm = -5", "g.toml:2:13: error: `length_mm` is -5; expected a number from"),
+        (
+            "lenght_mm = 5",
+            "g.toml:2:1: error: unknown key `lenght_mm` in [geometry]; did you mean `length_mm`?",
+        ),
+        ("width_mm = \"6\"", "g.toml:2:12: error: `width_mm` is the text"),
+        ("width_mm = 6\ncut_mm = 7", "g.toml:3:1: error: `cut_mm` is 7 mm, but the width is 6 mm"),
+    ] {
+        fs::write(here.join("g.toml"), format!("[geometry]\n{geometry}\n"))?;
+        let (code, stderr) = message(here, &["import", "a.csv", "--geometry", "g.toml"])?;
+        assert!(code == Some(2) && stderr.matches(expected).count() == 1, "{geometry}: {stderr}");
+        assert!(!here.join("a").exists());
+    }
+    fs::write(here.join("g.toml"), "[geometry]\nlength_mm = 8\n")?;
+    let (code, answer, stderr) = json(here, &["import", "a.csv", "--geometry", "g.toml"])?;
+    assert_eq!((code, &answer["geometry_complete"]), (0, &false.into()), "{stderr}");
+    let specimen = fs::read_to_string(here.join("a/specimen.toml"))?;
+    assert!(specimen.contains("[geometry]\nlength_mm = 8\n# width_mm =     # along the tear"), "{specimen}");
+    let (code, answer, stderr) = json(here, &["import", "b.csv", "--geometry", "g.toml"])?;
+    assert_eq!((code, &answer["geometry_complete"]), (0, &true.into()), "{stderr}");
+    let (code, stderr) = message(here, &["check", "b/specimen.toml", "--quick"])?;
+    assert_eq!(code, Some(0), "{stderr}");
     Ok(())
 }
 

@@ -126,6 +126,32 @@ fn read(path: &Path, reading: Reading<'_>, registry: &dyn EffectRegistry, sink: 
     })
 }
 
+/// Checks the `name` and the `[geometry]` of a file of which no more is asked; dimensions that it leaves out may be known
+/// elsewhere.
+///
+/// # Errors
+/// Everything that is wrong with them, at once; a file that cannot be read or has no `[geometry]`.
+pub fn check_geometry(path: &Path) -> Result<(), Diagnostics> {
+    let sink = Sink::default();
+    given_geometry(path, &sink);
+    if sink.has_errors() { Err(Diagnostics(sink.into_sorted())) } else { Ok(()) }
+}
+
+fn given_geometry(path: &Path, sink: &Sink) -> Option<()> {
+    let file = load(path, "a TOML file with a [geometry] table", sink)?;
+    let document = parse(&file, sink)?;
+    let context = Context { file: &file, sink, laws: &[], kinds: &[] };
+    let top = Section::open(context, "the file", 0..0, document.get_ref(), keys::of(""));
+    if top.entry("geometry").is_none() {
+        top.missing("geometry");
+        return None;
+    }
+    specimen::checked_name(&top);
+    let geometry = specimen::given_geometry(&top);
+    specimen::check_fit(&top, &geometry, &[]);
+    Some(())
+}
+
 /// The keys of every law, each with the section it stands in.
 fn every_law_key(registry: &dyn EffectRegistry) -> Vec<keys::Key> {
     let of = |site: LawSite| {

@@ -6,7 +6,7 @@ use crate::case::{Geometry, Test};
 use crate::csv;
 use crate::diagnostics::Report;
 use crate::experiment::Layout;
-use crate::keys::{self, plain};
+use crate::keys::{self, Fallback, plain};
 use crate::text::{short, visible};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -70,18 +70,30 @@ pub(crate) fn checked_name(section: &Section<'_>) -> Option<String> {
 
 /// `[geometry]`
 pub(crate) fn geometry(top: &Section<'_>) -> Geometry {
-    let s = subsection(top, "geometry");
+    of_section(&subsection(top, "geometry"))
+}
+
+/// `[geometry]` of a file that need not give all of it: what is left out is NaN, what is given must be right.
+pub(crate) fn given_geometry(top: &Section<'_>) -> Geometry {
+    let mut keys = keys::of("geometry");
+    for key in keys.iter_mut().filter(|k| matches!(k.default, Fallback::Required)) {
+        key.default = Fallback::Number(f64::NAN);
+    }
+    of_section(&subsection_of(top, "geometry", keys))
+}
+
+fn of_section(s: &Section<'_>) -> Geometry {
     let geometry = Geometry {
         length: s.number("length"),
         width: s.number("width"),
         thickness: s.number("thickness"),
         cut: s.number("cut"),
         path_y: s.optional_number("path_y"),
-        outline: rows::<3>(&s, "outline"),
-        thickness_profile: rows::<2>(&s, "thickness_profile"),
+        outline: rows::<3>(s, "outline"),
+        thickness_profile: rows::<2>(s, "thickness_profile"),
     };
-    check_outline(&s, &geometry);
-    check_thickness(&s, &geometry);
+    check_outline(s, &geometry);
+    check_thickness(s, &geometry);
     geometry
 }
 

@@ -309,3 +309,24 @@ fn every_number_of_the_table_is_accepted_in_every_spelling() {
         }
     }
 }
+
+/// Of a file that is asked for its dimensions alone, what is left out is no fault, and what is given must be right.
+#[test]
+fn a_geometry_may_be_a_part() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("g.toml");
+    let told = |text: &str| {
+        fs::write(&file, text).expect("written");
+        input::check_geometry(&file).map_err(|e| e.to_string()).err().unwrap_or_default()
+    };
+    for good in ["[geometry]\nlength_mm = 10\n", STRIP, "[geometry]\n"] {
+        assert_eq!(told(good), "", "{good}");
+    }
+    assert!(told("[geometry]\nwidth_mm = 0\n").contains("expected a number from 0.0001 to 10000"));
+    let cut = told("[geometry]\nwidth_mm = 5\ncut_mm = 6\n");
+    assert!(cut.contains("expected a cut shorter than the width"), "{cut}");
+    assert!(told("name = \"a/b\"\n[geometry]\n").contains("expected a name for files and folders"));
+    assert!(told("name = \"a\"\n").contains("missing key `geometry`"));
+    // Once, although two checks look at the table.
+    assert_eq!(told("[geometry]\nlenght_mm = 1\n").matches("unknown key").count(), 1);
+}

@@ -2,6 +2,7 @@
 
 mod common;
 mod dialects;
+mod geometry;
 mod measures;
 mod open;
 mod reduction;

@@ -22,18 +22,12 @@ use std::path::{Path, PathBuf};
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
     let mut choices = arguments.choices().map_err(|e| Failure::usage(format!("fct import: {e}")))?;
     let mut geometry = match &arguments.geometry {
-        Some(file) => Geometry::read(file).map_err(failed)?,
+        Some(file) => {
+            input::check_geometry(file)?;
+            Geometry::read(file).map_err(failed)?
+        }
         None => Geometry::default(),
     };
-    if let (Some(file), Some((name, why))) =
-        (&arguments.geometry, geometry.name.as_ref().and_then(|n| Some((n, input::name_fault(n)?))))
-    {
-        let name = input::visible(name);
-        return Err(Failure::usage(format!(
-            "{}: error: `name` is \"{name}\"; expected a name for files and folders, but {why}",
-            file.display()
-        )));
-    }
     let kinds =
         arguments.kinds(&session.catalogue).map_err(|e| Failure::usage(format!("fct import: {e}")))?;
     let (mut read, mut errors, mut answered) = (Vec::new(), Vec::new(), Vec::new());
