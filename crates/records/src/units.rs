@@ -180,6 +180,42 @@ mod tests {
         assert_eq!(split("Segment ID"), ("Segment ID".into(), None));
     }
 
+    /// Every unit once, in mm, s, N and MPa (BIPM 2019, NIST SP 811 for inch, pound-force and psi).
+    #[test]
+    fn units_are_as_large_as_they_are() {
+        use Measure::{Force, Length, Rate, Ratio, Speed, Stress, Time};
+        let pound = 0.453_592_37 * 9.806_65;
+        for (measure, units) in [
+            (Time, vec![("s", 1.0), ("ms", 1e-3), ("µs", 1e-6), ("min", 60.0), ("h", 3600.0)]),
+            (Length, vec![("mm", 1.0), ("µm", 1e-3), ("nm", 1e-6), ("cm", 10.0), ("m", 1e3), ("in", 25.4)]),
+            (Force, vec![("N", 1.0), ("mN", 1e-3), ("µN", 1e-6), ("nN", 1e-9), ("kN", 1e3), ("MN", 1e6)]),
+            (
+                Force,
+                vec![("cN", 1e-2), ("daN", 10.0), ("gf", 9.806_65e-3), ("kgf", 9.806_65), ("lbf", pound)],
+            ),
+            (Ratio, vec![("1", 1.0), ("%", 1e-2), ("‰", 1e-3), ("µε", 1e-6), ("mm/mm", 1.0)]),
+            (Stress, vec![("MPa", 1.0), ("kPa", 1e-3), ("hPa", 1e-4), ("Pa", 1e-6), ("GPa", 1e3)]),
+            (Stress, vec![("N/mm²", 1.0), ("N/m²", 1e-6), ("psi", pound / (25.4 * 25.4))]),
+            (
+                Speed,
+                vec![
+                    ("mm/s", 1.0),
+                    ("µm/s", 1e-3),
+                    ("mm/min", 1.0 / 60.0),
+                    ("m/s", 1e3),
+                    ("in/min", 25.4 / 60.0),
+                ],
+            ),
+            (Rate, vec![("Hz", 1.0), ("1/s", 1.0), ("kHz", 1e3)]),
+        ] {
+            for (text, size) in units {
+                let unit = parse(text).expect(text);
+                assert_eq!(unit.measure, measure, "{text}");
+                assert!((unit.scale() / size - 1.0).abs() < 1e-12, "{text}: {}", unit.scale());
+            }
+        }
+    }
+
     #[test]
     fn mega_and_milli_are_not_mixed_up() {
         assert_eq!(parse("mN").map(|u| u.exponent), Some(-3));

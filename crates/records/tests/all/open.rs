@@ -50,6 +50,13 @@ fn two_columns_that_fit_are_asked_for() {
     assert!(message.contains("names no column") && message.contains("2 `Standardweg [mm]`"), "{message}");
 }
 
+/// A deformation in mm is a displacement, whatever the word means elsewhere.
+#[test]
+fn a_strain_in_millimetres_is_a_displacement() {
+    let test = &read("Time [s],Dehnung [mm],Load [N]\n0,0,0\n1,0.5,1\n2,1,2\n", &[]).tests[0];
+    assert_eq!(test.full.displacement, [0.0, 0.5, 1.0]);
+}
+
 #[test]
 fn commas_for_everything_are_told() {
     let text =
@@ -149,6 +156,9 @@ fn faults_of_rows_are_counted_with_their_rule() {
     assert_eq!(clip(&[("drop", "clipped")]).tests[0].full.row.len(), 150);
     let coarse = read(&record(|i| Some([format!("{i}"), format!("{i}"), format!("{}", (i / 10) * 2)])), &[]);
     assert!(kinds(&coarse).iter().any(|k| k.0 == FaultKind::Quantised), "{:?}", kinds(&coarse));
+    // Few rows have few values.
+    let few: String = (0..48).map(|i| format!("{i},{i},{}\n", (i / 10) * 2)).collect();
+    assert_eq!(kinds(&read(&format!("{HEAD}{few}"), &[])), []);
     // Too many blanks are no accident.
     let many = record(|i| if i % 5 == 0 { s(&format!("{}", i as f64 / 4.0), "", "1") } else { None });
     assert!(told(&many, &[]).contains("a.csv:2:2: error: `Extension [mm]` is blank"), "{}", told(&many, &[]));

@@ -91,6 +91,30 @@ fn points_keep_turns_and_average_the_rest() {
     assert!(worst < 5.0, "a point is {worst} standard deviations off");
 }
 
+/// Points go where the displacement and the force change, half by each; what stands long takes no rows from a mean.
+#[test]
+fn points_go_where_something_changes() {
+    // Two legs of equal length, nine tenths of the force in the first; between them a rest as long as both.
+    let row = |i: usize| match i {
+        0..=2000 => (i as f64 / 1000.0, 9.0 * i as f64 / 2000.0),
+        2001..=5999 => (2.0, 9.0),
+        _ => (2.0 + (i - 6000) as f64 / 1000.0, 9.0 + (i - 6000) as f64 / 2000.0),
+    };
+    let mut text = String::from("Time [s],Extension [mm],Load [N]\n");
+    for i in 0..=8000 {
+        let (u, f) = row(i);
+        let _ = writeln!(text, "{},{u},{f}", i as f64 / 10.0);
+    }
+    let test = import("a.csv", text.as_bytes(), &[("points", "200")]).expect("read").tests.remove(0);
+    let (points, made) = (test.reduced.expect("reduced"), test.reduction.expect("reduced"));
+    let between = |a: f64, b: f64| points.time.iter().filter(|t| **t > a && **t < b).count() as f64;
+    let (first, last) = (between(1.0, 199.0), between(601.0, 799.0));
+    // 0.7 and 0.3 of the points for motions; the first leg has rows for 80 means at most.
+    assert!((75.0..=81.0).contains(&first) && (38.0..50.0).contains(&last), "{first} and {last} points");
+    // 4000 rows in motion fill what holds leave of 200 points; an even share of all would be 40.
+    assert!((20..=30).contains(&made.rows_per_point), "{made:?}");
+}
+
 #[test]
 fn short_records_stay_as_they_are() {
     let (rows, test) = imported(2.0, 0.004, "400");
