@@ -86,8 +86,8 @@ impl Assigner<'_> {
                     Err(question) => open.questions.push(question),
                 },
                 Ok(None) => {}
-                Err(Trouble::Ask(question)) => open.questions.push(question),
-                Err(Trouble::Wrong(fault)) => open.faults.push(fault),
+                Err(Unassigned::Ask(question)) => open.questions.push(question),
+                Err(Unassigned::Wrong(fault)) => open.faults.push(fault),
             }
         }
         match self.segments() {
@@ -107,9 +107,9 @@ impl Assigner<'_> {
             && role.stand_ins().iter().all(|r| self.best(*r).is_empty())
     }
 
-    fn find(&self, role: Role) -> Result<Option<(usize, Role)>, Trouble> {
+    fn find(&self, role: Role) -> Result<Option<(usize, Role)>, Unassigned> {
         if let Some(said) = self.choices.columns.get(role.flag()) {
-            let index = self.named(said, role.flag()).map_err(Trouble::Wrong)?;
+            let index = self.named(said, role.flag()).map_err(Unassigned::Wrong)?;
             return Ok(Some((index, self.as_said(index, role))));
         }
         for stand_in in role.stand_ins() {
@@ -122,7 +122,7 @@ impl Assigner<'_> {
                 }
                 many => {
                     let what = format!("{} columns could be the {}", many.len(), role.spoken());
-                    return Err(Trouble::Ask(Question::new(role.flag(), what, self.listed(many))));
+                    return Err(Unassigned::Ask(Question::new(role.flag(), what, self.listed(many))));
                 }
             }
         }
@@ -135,11 +135,11 @@ impl Assigner<'_> {
             } else {
                 let what = "no column is the time, and neither --rate (mm/s, of a motion that never stops) nor \
                             --frequency (rows per second) stands for it";
-                Err(Trouble::Ask(Question::new("time", what, self.listed(&self.rest()))))
+                Err(Unassigned::Ask(Question::new("time", what, self.listed(&self.rest()))))
             };
         }
         let what = format!("no column is called the {}", role.spoken());
-        Err(Trouble::Ask(Question::new(role.flag(), what, self.listed(&self.rest()))))
+        Err(Unassigned::Ask(Question::new(role.flag(), what, self.listed(&self.rest()))))
     }
 
     /// The columns that fit best: those the dialect prefers, those that change, those with the best name.
@@ -314,7 +314,8 @@ impl Assigner<'_> {
     }
 }
 
-enum Trouble {
+/// Why a channel has no column.
+enum Unassigned {
     Ask(Question),
     Wrong(Fault),
 }

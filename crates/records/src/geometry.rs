@@ -31,7 +31,8 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// Reads the `[geometry]` of a specimen or config.
+    /// Reads the `[geometry]` of a specimen or config. What is no positive length (a cut: none below 0) counts as not given;
+    /// `input::check_geometry` says what is wrong with it, and where.
     ///
     /// # Errors
     /// If there is none.

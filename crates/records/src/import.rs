@@ -142,8 +142,8 @@ fn from_content(
     choices: &Choices,
     geometry: &mut Geometry,
 ) -> Result<Import, ImportError> {
-    let source = Source::of(content, choices).map_err(|trouble| trouble.of(path))?;
-    understand(path, source, choices, geometry).map_err(|trouble| trouble.of(path))
+    let source = Source::of(content, choices);
+    source.and_then(|s| understand(path, s, choices, geometry)).map_err(|trouble| trouble.of(path))
 }
 
 fn understand(
