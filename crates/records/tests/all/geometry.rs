@@ -21,6 +21,11 @@ fn dimensions_are_lengths_in_any_unit() {
     // A profile beside the thickness is not the thickness.
     let g = read("name = \"A 7\"\n[geometry]\nthickness_um = 800\nthickness_profile = [[0, 1], [10, 1]]\n");
     assert_eq!((g.thickness, g.name.as_deref(), g.is_complete()), (Some(0.8), Some("A 7"), false));
+    for two in
+        ["length_mm = 9\nwidth_mm = 6", "length_mm = 9\nthickness_mm = 1", "width_mm = 6\nthickness_mm = 1"]
+    {
+        assert!(!read(&format!("[geometry]\n{two}\n")).is_complete(), "{two}");
+    }
     for none in ["length_mm = 0", "length_mm = -1.0", "length_mm = nan", "length_s = 1", "length_mm = \"1\""]
     {
         assert_eq!(read(&format!("[geometry]\n{none}\n")).length, None, "{none}");
