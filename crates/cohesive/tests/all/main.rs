@@ -2,4 +2,5 @@
 
 mod common;
 mod consistency;
+mod own_curve;
 mod work;
