@@ -121,10 +121,30 @@ mod tests {
                 let (mesh, count) = (crate::strip(&strip).unwrap(), count(&strip).unwrap());
                 assert_eq!(mesh.hexes.len(), count.elements.iter().product::<usize>());
                 assert_eq!(mesh.nodes.len(), count.nodes);
+                let [nx, ny, nz] = count.elements.map(|n| n + 1);
+                assert_eq!(count.fill, fill([nx, ny + usize::from(tear && !half)], 3 * nz));
                 if tear {
                     assert_eq!(mesh.interfaces.len(), count.ahead * count.elements[2]);
                 }
             }
         }
+    }
+
+    /// Fronts written out by hand: columns of 3 unknowns, parts of up to four columns in one front. A front of c columns with
+    /// b rows below holds c (c + b) entries and takes ((c + b)³ − b³)/3.
+    #[test]
+    fn a_small_grid_fills_what_its_fronts_hold() {
+        let filled = |grid, entries: f64, flops: f64, front: f64| {
+            assert_eq!(fill(grid, 3), Fill { entries, flops, front }, "{grid:?}");
+        };
+        filled([1, 4], 144.0, 576.0, 12.0);
+        // Two parts, of 12 and 6 columns with the 6 of the separator below, and these.
+        filled([2, 4], 216.0 + 72.0 + 36.0, 1872.0 + 504.0 + 72.0, 18.0);
+        filled([4, 2], 216.0 + 72.0 + 36.0, 1872.0 + 504.0 + 72.0, 18.0);
+        filled([5, 2], 2.0 * 216.0 + 36.0, 2.0 * 1872.0 + 72.0, 18.0);
+        // Parted twice: each half is a part that sees one separator, one that sees two, and its own separator.
+        let half = (54.0 + 72.0 + 18.0, 234.0 + 504.0 + 63.0);
+        filled([1, 11], 2.0 * half.0 + 9.0, 2.0 * half.1 + 9.0, 12.0);
+        filled([11, 1], 2.0 * half.0 + 9.0, 2.0 * half.1 + 9.0, 12.0);
     }
 }

@@ -280,5 +280,8 @@ mod tests {
         for (at, line) in [(-1.0, 0), (0.4, 0), (0.6, 1), (1.0, 1), (1.9, 2), (9.0, 2)] {
             assert_eq!(nearest(&lines, at), line, "{at}");
         }
+        // Of two it is the distance that counts, wherever zero is.
+        assert_eq!(nearest(&[5.0, 6.0, 9.0], 8.0), 2);
+        assert_eq!(nearest(&[5.0, 6.0, 9.0], 7.0), 1);
     }
 }

@@ -3,9 +3,9 @@
 use crate::common;
 
 use common::*;
-use constitutive::{Jet, Response, tensor};
+use constitutive::{Describe, Jet, Part, Response, part_response, part_tangent, tensor};
 use hgo::{
-    FAMILIES, FIBRE_ONSET, FibreInvariants, Hgo, KAPPA, fibre_direction, fibre_fictitious_stress,
+    D, FAMILIES, FIBRE_ONSET, FibreInvariants, Hgo, K1, KAPPA, fibre_direction, fibre_fictitious_stress,
     fibre_response, fibre_strain, fibre_tangent, volumetric, volumetric_tangent,
 };
 use proptest::prelude::*;
@@ -54,10 +54,42 @@ proptest! {
     #[test]
     fn tangents_of_single_parts_are_those_of_their_jets(law in laws(), f in deformations(), p in parameters()) {
         let (g, q) = (seeded(&f), p.map(Jet::constant));
-        prop_assert!(error(&volumetric_tangent(&f, p[hgo::D]), &volumetric(&g, q[hgo::D])) < 1e-12);
+        prop_assert!(error(&volumetric_tangent(&f, p[D]), &volumetric(&g, q[D])) < 1e-12);
         for family in 0..FAMILIES {
             let jets = fibre_response(&law, &g, &q, family);
             prop_assert!(error(&fibre_tangent(&law, &f, &p, family), &jets) < 1e-12);
+        }
+    }
+
+    /// What the law offers to others: parts that make up its stress, with the tangents of their stresses.
+    #[test]
+    fn offered_parts_make_up_the_law(law in laws(), f in deformations(), p in parameters()) {
+        let bulk = law.offers().bulk.expect("bulk parts");
+        let volumetric = bulk.volumetric.expect("a volumetric part");
+        prop_assert_eq!(bulk.fibres.len(), FAMILIES);
+        let with = |k: usize, v: f64| {
+            let mut q = p;
+            q[k] = v;
+            respond(&law, &f, &q).force
+        };
+        let whole = respond(&law, &f, &p).force;
+        let scale = largest(&whole).max(largest(&with(D, 0.5 * p[D])));
+        // U is proportional to 1/D; without k1 there are no families.
+        let doubled = with(D, 0.5 * p[D]);
+        let own = part_response(&volumetric, &f, &p).force;
+        let summed = |parts: &[&Part]| -> [f64; 9] {
+            parts.iter().map(|part| part_response(part, &f, &p).force).fold([0.0; 9], |a, b| std::array::from_fn(|i| a[i] + b[i]))
+        };
+        let families: Vec<&Part> = bulk.fibres.iter().map(|family| &family.response).collect();
+        let fibres = summed(&families);
+        let without = with(K1, 0.0);
+        for i in 0..9 {
+            prop_assert!((doubled[i] - whole[i] - own[i]).abs() < 1e-12 * scale);
+            prop_assert!((whole[i] - without[i] - fibres[i]).abs() < 1e-12 * scale);
+        }
+        for part in families.into_iter().chain([&volumetric]).chain(bulk.fibres.iter().map(|family| &family.isochoric)) {
+            let jets = part_response(part, &seeded(&f), &p.map(Jet::constant));
+            prop_assert!(error(&part_tangent(part, &f, &p), &jets) < 1e-12);
         }
     }
 }

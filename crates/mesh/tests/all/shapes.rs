@@ -1,7 +1,7 @@
 //! Outlines, thickness profiles, and what is refused.
 
 use approx::assert_relative_eq;
-use mesh::{MeshError, Outline, Profile, Sizing, Strip, quality, strip};
+use mesh::{MeshError, Outline, Profile, Sizing, Strip, count, quality, strip};
 
 /// A dog bone: 8 mm wide at the ends, 4 mm in the middle, 0.5 mm off the axis.
 fn dog_bone() -> Outline {
@@ -121,12 +121,27 @@ fn bad_sizes_are_refused() {
 }
 
 #[test]
+fn elements_that_are_not_meshed_do_not_count() {
+    let sizing = Sizing::Graded { bulk_size: 0.01, path_size: 0.01, layers: 8 };
+    // 1000 × 400 × 8 elements.
+    let whole = Strip { sizing, ..base() };
+    assert!(message(whole.clone()).contains("at most 2000000"));
+    for half in [Strip { half_height: true, ..whole.clone() }, Strip { half_thickness: true, ..whole }] {
+        let n = count(&half).unwrap().elements;
+        assert_eq!(n.iter().product::<usize>(), 1000 * 400 * 8 / 2, "{n:?}");
+    }
+}
+
+#[test]
 fn a_folded_element_is_named() {
     // Edges that run almost along x shear the elements flat.
     let steep = Outline::new(&[[0.0, 0.0, 1.0], [5.0, 0.0, 1.0], [10.0, 9e7, 9.0e7 + 1.0]]).unwrap();
     let shaped = Strip { outline: Some(steep), cut: 0.2, sizing: Sizing::Divisions([8, 20, 2]), ..base() };
     match strip(&shaped) {
-        Err(MeshError::Degenerate { place, .. }) => assert!(place[1] >= 10, "{place:?}"),
+        Err(MeshError::Degenerate { element, place: [x, y, z], .. }) => {
+            assert!(x < 8 && (10..20).contains(&y) && z < 2, "{x} {y} {z}");
+            assert_eq!(element, (8 * y + x) * 2 + z);
+        }
         other => panic!("expected a degenerate element, got {other:?}"),
     }
 }
