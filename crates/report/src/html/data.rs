@@ -111,3 +111,20 @@ fn convergence(a: &IdentifyAnswer) -> Value {
     let names: Vec<&String> = wanted.iter().map(|w| &w.0).collect();
     json!({ "stages": stages, "objective": objective, "names": names, "values": values })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_a_page_have_six_digits() {
+        let shown = |x: f64| round(x).to_string();
+        assert_eq!(shown(1234567.0), "1234570");
+        assert_eq!(shown(-0.123456789), "-0.123457");
+        assert_eq!(shown(2.0), "2");
+        assert_eq!([shown(0.0), shown(-0.0)], ["0", "0"]);
+        assert_eq!([f64::NAN, f64::INFINITY, f64::NEG_INFINITY].map(shown), ["null"; 3]);
+        assert_eq!(numbers(&[1.5, f64::NAN]).to_string(), "[1.5,null]");
+        assert_eq!(sparse(&[None, Some(1.5)]).to_string(), "[null,1.5]");
+    }
+}

@@ -243,3 +243,15 @@ fn side(sign: char) -> &'static str {
 fn without_minus_zero(x: f64) -> f64 {
     (100.0 * x).round() / 100.0 + 0.0
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_decimals_without_a_minus_before_zero() {
+        for (x, shown) in [(-0.004, "0"), (-0.006, "-0.01"), (0.126, "0.13"), (12.0, "12")] {
+            assert_eq!(without_minus_zero(x).to_string(), shown);
+        }
+    }
+}

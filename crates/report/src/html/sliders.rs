@@ -122,4 +122,21 @@ mod tests {
         assert_eq!(read.json(|x| json!(x))["tests"]["tear"][0], json!([1.0, 3.0]));
         assert_eq!(Response::default().json(|x| json!(x)), Value::Null);
     }
+
+    #[test]
+    fn a_slider_goes_as_far_as_its_value_asks() {
+        let at = |value: f64, at_bound: bool, interval: [Option<f64>; 2]| {
+            let known = json!({
+                "path": "bulk.mu", "value": value, "unit": "MPa", "std_error": null, "interval_95": interval,
+                "at_bound": at_bound, "identifiable": true,
+            });
+            range(&serde_json::from_value(known).expect("a parameter"))
+        };
+        assert_eq!(at(3.0, false, [None, None]), [1.0, 9.0]);
+        assert_eq!(at(-2.0, false, [None, None]), [-8.0, 4.0]);
+        // An interval wider than that is shown whole.
+        assert_eq!(at(-2.0, false, [Some(-12.0), Some(5.0)]), [-12.0, 8.0]);
+        assert_eq!(at(0.0, false, [Some(-0.5), Some(0.25)]), [-0.5, 0.5]);
+        assert_eq!(at(0.0, true, [Some(0.0), Some(0.25)]), [0.0, 0.25]);
+    }
 }

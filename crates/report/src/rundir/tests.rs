@@ -191,3 +191,27 @@ fn a_manifest_that_leads_elsewhere_is_damaged() -> Tested {
     }
     Ok(())
 }
+
+/// One file beside runs: what is there and not ours is only replaced when asked to.
+#[test]
+fn a_named_file_replaces_its_like_and_nothing_else() -> Tested {
+    let folder = tempfile::tempdir()?;
+    let place = folder.path().join("batch.html");
+    let write = |content: &str, force| {
+        write_named(&place, content.as_bytes(), force, |there| there.starts_with(b"ours"))
+    };
+    write("ours 1", false)?;
+    write("ours 2", false)?;
+    assert_eq!(fs::read_to_string(&place)?, "ours 2");
+    fs::write(&place, "mine")?;
+    assert!(matches!(write("ours 3", false), Err(ReportError::Exists(at)) if at == place));
+    assert_eq!(fs::read_to_string(&place)?, "mine");
+    write("mine", false)?;
+    write("ours 3", true)?;
+    assert_eq!(fs::read_to_string(&place)?, "ours 3");
+    fs::remove_file(&place)?;
+    fs::create_dir(&place)?;
+    assert!(matches!(write("ours 4", true), Err(ReportError::Exists(_))));
+    assert_eq!(names(folder.path()), ["batch.html"]);
+    Ok(())
+}

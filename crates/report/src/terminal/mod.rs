@@ -226,4 +226,38 @@ mod tests {
         assert!(lines.iter().all(|l| l.chars().count() <= 60), "{shown}");
         assert!(lines[..lines.len() - 1].iter().all(|l| l.matches("aaaa").count() == 7), "{shown}");
     }
+
+    /// A value never stands without the unit it has in the files.
+    #[test]
+    fn every_quantity_has_a_unit_for_the_reader() {
+        use params::Quantity::*;
+        let all = [
+            Length,
+            Force,
+            Time,
+            Stress,
+            InverseStress,
+            Angle,
+            FractureEnergy,
+            EnergyDensity,
+            InterfaceStiffness,
+            Speed,
+            Rate,
+            ForceRate,
+            Compliance,
+            Density,
+        ];
+        for quantity in all {
+            let (shown, factor) = readable_unit("interface.area[1].x", quantity.unit());
+            let kept = quantity == Angle || shown == quantity.unit().replace('3', "³");
+            assert!(
+                !shown.is_empty() && kept && (factor == 1.0 || quantity == Angle),
+                "{quantity:?}: {shown}"
+            );
+        }
+        assert_eq!(readable_unit("bulk.mu", "MPa"), ("kPa", 1000.0));
+        assert_eq!(readable_unit("bulk.gamma", "rad").0, "°");
+        assert!((std::f64::consts::FRAC_PI_4 * readable_unit("bulk.gamma", "rad").1 - 45.0).abs() < 1e-12);
+        assert_eq!(readable_unit("bulk.k2", ""), ("", 1.0));
+    }
 }

@@ -28,3 +28,26 @@ pub fn range<'a>(series: impl IntoIterator<Item = &'a f64>) -> (f64, f64) {
     let (low, high) = series.into_iter().fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(*v), h.max(*v)));
     if low > high { (0.0, 1.0) } else { (low, high) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_of_blocks_shows_means_between_its_ends() {
+        assert_eq!(sparkline(&[0.0, 0.0, 7.0, 7.0], 2, 0.0, 7.0), "▁█");
+        assert_eq!(sparkline(&[0.0, 2.0, 4.0, 9.0], 4, 0.0, 7.0), "▁▃▅█");
+        // No wider than there are values; the mean of each part.
+        assert_eq!(sparkline(&[0.0, 4.0], 80, 0.0, 7.0), "▁▅");
+        assert_eq!(sparkline(&[0.0, 4.0], 1, 0.0, 7.0), "▃");
+        assert_eq!(sparkline(&[3.0; 3], 3, 3.0, 3.0), "▁▁▁");
+        assert!(sparkline(&[], 5, 0.0, 1.0).is_empty() && sparkline(&[1.0], 0, 0.0, 1.0).is_empty());
+    }
+
+    #[test]
+    fn the_range_of_several_series() {
+        let (a, b) = ([1.0, -2.0], [5.0]);
+        assert_eq!(range(a.iter().chain(&b)), (-2.0, 5.0));
+        assert_eq!(range(&[0.0; 0]), (0.0, 1.0));
+    }
+}
