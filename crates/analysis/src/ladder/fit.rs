@@ -143,10 +143,7 @@ impl FeLadder<'_> {
         let (progress, leader) = (self.progress, self.leader);
         let mut last = f64::INFINITY;
         move |i: &Iterate| {
-            if let Some(f) = i.f {
-                let rejected = if i.accepted { "" } else { " (rejected)" };
-                progress(&format!("{names}: iteration {}, χ² {f:.1}{rejected}", i.iteration));
-            }
+            progress(&format!("{names}: iteration {}, {}", i.iteration, came_to(i)));
             // A trial that was rejected says nothing about the fit.
             let taken = i.f.filter(|_| i.accepted);
             let idle = taken.is_some_and(|f| little.contains(&f) && last - f < COARSE_TOLERANCE * f);
@@ -158,6 +155,15 @@ impl FeLadder<'_> {
             last = taken.unwrap_or(last);
             if idle || behind { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         }
+    }
+}
+
+/// What a run of a fit came to. One without an answer may have taken longest.
+fn came_to(i: &Iterate) -> String {
+    match i.f {
+        Some(f) if i.accepted => format!("χ² {f:.1}"),
+        Some(f) => format!("χ² {f:.1} (rejected)"),
+        None => "no answer".into(),
     }
 }
 
@@ -173,5 +179,18 @@ fn search_options(list: &[inverse::Free]) -> FitOptions {
         jacobian_with_trial: false,
         max_step: 0.7,
         poll: Some(crate::identify::poll(list)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_run_of_a_fit_is_told() {
+        let run = |f, accepted| Iterate { iteration: 1, f, theta: Vec::new(), accepted, damping: 0.0 };
+        let told =
+            [(Some(12.34), true), (Some(12.34), false), (None, false)].map(|(f, a)| came_to(&run(f, a)));
+        assert_eq!(told, ["χ² 12.3", "χ² 12.3 (rejected)", "no answer"]);
     }
 }
