@@ -90,6 +90,10 @@ proptest! {
             prop_assert!(near(found.force[i], expected.force[i], scale));
         }
         prop_assert!(near(found.energy, expected.energy, p[GC] + scale * o[0].abs()));
+        // d = 1 − (1 + x) exp(−x), eq. 7.
+        let x = delta_max / cohesive::delta_c(p[GC], p[SIGMA_C]);
+        let damage = [law.damage(delta_max, &p), Cohesive.damage(delta_max, &p)];
+        prop_assert!(damage.iter().all(|d| near(*d, 1.0 - (1.0 + x) * (-x).exp(), 1.0)), "{damage:?}");
         let energies = |law: &dyn Describe<3>| law.energies(&ctx, &o, &p, &[old], &[delta_max]);
         let (a, b) = (energies(&law), energies(&Cohesive));
         prop_assert!(near(a.stored, b.stored, p[GC] + scale * o[0].abs()));
@@ -184,6 +188,18 @@ fn a_curve_without_an_end_is_not_followed_for_ever() {
     }
     let end = Irreversible(Lasting).softening_end(&[0.2, 0.1, 1.0, 10.0]);
     assert!((1e6..2.1e6).contains(&end), "{end}");
+}
+
+/// Where nothing is open yet the interface has its first stiffness, and no 0/0.
+#[test]
+fn a_closed_interface_has_its_first_stiffness() {
+    let p = [0.2, 0.1, 0.5, 10.0];
+    let (force, a) = Irreversible(Triangle)
+        .analytic_tangent(&Context::default(), &[0.0; 3], &p, &[0.0], &mut [0.0])
+        .expect("an analytic tangent");
+    // σc at a quarter of 2 Gc/σc = 4 mm.
+    assert_eq!(force, [0.0; 3]);
+    assert_eq!(a, [[0.1, 0.0, 0.0], [0.0, 0.025, 0.0], [0.0, 0.0, 0.025]]);
 }
 
 #[test]
