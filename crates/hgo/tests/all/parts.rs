@@ -73,7 +73,6 @@ proptest! {
             respond(&law, &f, &q).force
         };
         let whole = respond(&law, &f, &p).force;
-        let scale = largest(&whole).max(largest(&with(D, 0.5 * p[D])));
         // U is proportional to 1/D; without k1 there are no families.
         let doubled = with(D, 0.5 * p[D]);
         let own = part_response(&volumetric, &f, &p).force;
@@ -83,6 +82,7 @@ proptest! {
         let families: Vec<&Part> = bulk.fibres.iter().map(|family| &family.response).collect();
         let fibres = summed(&families);
         let without = with(K1, 0.0);
+        let scale = [&whole, &doubled, &own, &fibres].map(largest).into_iter().fold(0.0, f64::max);
         for i in 0..9 {
             prop_assert!((doubled[i] - whole[i] - own[i]).abs() < 1e-12 * scale);
             prop_assert!((whole[i] - without[i] - fibres[i]).abs() < 1e-12 * scale);
