@@ -4,9 +4,6 @@ const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█']
 
 /// `values` as a line of block characters, `width` wide, between `low` and `high`.
 pub fn sparkline(values: &[f64], width: usize, low: f64, high: f64) -> String {
-    if values.is_empty() || width == 0 {
-        return String::new();
-    }
     let width = width.min(values.len());
     let span = (high - low).max(f64::MIN_POSITIVE);
     (0..width)
