@@ -52,6 +52,25 @@ pub enum Quantity {
 }
 
 impl Quantity {
+    /// All of them.
+    pub const ALL: [Self; 15] = [
+        Self::Dimensionless,
+        Self::Length,
+        Self::Force,
+        Self::Time,
+        Self::Stress,
+        Self::InverseStress,
+        Self::Angle,
+        Self::FractureEnergy,
+        Self::EnergyDensity,
+        Self::InterfaceStiffness,
+        Self::Speed,
+        Self::Rate,
+        Self::ForceRate,
+        Self::Compliance,
+        Self::Density,
+    ];
+
     /// The internal unit, as written in answers; empty for a pure number.
     pub const fn unit(self) -> &'static str {
         match self {

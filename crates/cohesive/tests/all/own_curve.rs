@@ -1,5 +1,5 @@
 //! `Irreversible` over a curve of one's own: over the exponential one it is `Cohesive`, whose formulas are written out; over a
-//! straight fall it has the closed forms of a triangle.
+//! polynomial it has that one's closed forms.
 
 use crate::common;
 
@@ -28,40 +28,37 @@ impl Curve for Exponential {
     }
 }
 
-/// A triangle: up to σc at a quarter of the last opening 2 Gc/σc, and down in a straight line.
+/// Needleman's polynomial, t = 27/4 σc x (1 − x)² with x = δ/δf and δf = 16/9 Gc/σc, peak at x = ⅓
+/// (doi:10.1115/1.3173064, normal separation).
 #[derive(Clone)]
-struct Triangle;
+struct Polynomial;
 
-impl Triangle {
+impl Polynomial {
     fn last<S: Scalar>(params: &[S]) -> S {
-        params[GC] * 2.0 / params[SIGMA_C]
+        params[GC] * (16.0 / 9.0) / params[SIGMA_C]
+    }
+
+    /// δ/δf, no further than the end.
+    fn share<S: Scalar>(delta: S, params: &[S]) -> S {
+        let x = delta / Self::last(params);
+        if x.value() < 1.0 { x } else { S::one() }
     }
 }
 
-impl Curve for Triangle {
+impl Curve for Polynomial {
     fn shape(&self) -> Vec<ParamSpec> {
         Vec::new()
     }
     fn secant<S: Scalar>(&self, delta: S, params: &[S]) -> S {
-        let (peak, last) = (self.delta_c(params), Self::last(params));
-        if delta.value() <= peak.value() {
-            params[SIGMA_C] / peak
-        } else if delta.value() < last.value() {
-            params[SIGMA_C] * (last - delta) / ((last - peak) * delta)
-        } else {
-            S::zero()
-        }
+        let left = -Self::share(delta, params) + 1.0;
+        params[SIGMA_C] * 6.75 / Self::last(params) * left * left
     }
     fn work<S: Scalar>(&self, delta: S, params: &[S]) -> S {
-        let (peak, last) = (self.delta_c(params), Self::last(params));
-        if delta.value() <= peak.value() {
-            return params[SIGMA_C] * delta * delta / (peak * 2.0);
-        }
-        let left = if delta.value() < last.value() { last - delta } else { S::zero() };
-        params[GC] - params[SIGMA_C] * left * left / ((last - peak) * 2.0)
+        let x = Self::share(delta, params);
+        params[GC] * (x * x * 6.0 - x * x * x * 8.0 + x * x * x * x * 3.0)
     }
     fn delta_c<S: Scalar>(&self, params: &[S]) -> S {
-        Self::last(params) * 0.25
+        Self::last(params) / 3.0
     }
 }
 
@@ -121,7 +118,7 @@ proptest! {
 
     #[test]
     fn any_curve_has_the_tangent_of_its_traction((p, o, old) in states()) {
-        let (ctx, law) = (Context::default(), Irreversible(Triangle));
+        let (ctx, law) = (Context::default(), Irreversible(Polynomial));
         let mut new = [0.0];
         let jets = constitutive::tangent_by_jets_3(&law, &ctx, &o, &p, &[old], &mut new);
         let error = testing::analytic_tangent_error(&law, &ctx, &o, &p, &[old], jets);
@@ -150,17 +147,17 @@ proptest! {
     }
 
     #[test]
-    fn a_triangle_has_its_own_damage_and_end(p in parameters(), x in 0.0f64..1.2) {
-        let law = Irreversible(Triangle);
-        let last = Triangle::last(&p);
-        let peak = 0.25 * last;
-        let delta = x * last;
-        // Areas of the triangle: Gc of all, what is right of δ missing.
-        let done = if x <= 0.25 { x * x / 0.25 } else { 1.0 - (1.0 - x.min(1.0)).powi(2) / 0.75 };
-        prop_assert!(near(law.damage(delta, &p), done, 1.0));
-        prop_assert_eq!(law.damage(2.0 * last, &p), 1.0);
-        // A fifth of the strength is left at a fifth of the way back from the end, which is at 4 δc.
-        prop_assert!((law.softening_end(&p) * peak - (last - 0.2 * (last - peak))).abs() < 1e-9 * last);
+    fn a_polynomial_has_its_own_damage_and_end(p in parameters(), x in 0.0f64..1.5) {
+        let law = Irreversible(Polynomial);
+        let last = Polynomial::last(&p);
+        // ∫ 27/4 y (1 − y)² dy, over its value at 1, by Simpson's rule, which is exact to the third power.
+        let t = |y: f64| 12.0 * y * (1.0 - y) * (1.0 - y);
+        let end = x.min(1.0);
+        let done = end / 6.0 * (t(0.0) + 4.0 * t(0.5 * end) + t(end));
+        prop_assert!(near(law.damage(x * last, &p), done, 1.0));
+        // A fifth of the strength is left there, behind the peak.
+        let spent = law.softening_end(&p) / 3.0;
+        prop_assert!((6.75 * spent * (1.0 - spent).powi(2) - 0.2).abs() < 1e-9 && spent > 1.0 / 3.0, "{spent}");
         // The exponential one: x e¹⁻ˣ = 0.2.
         let end = Irreversible(Exponential).softening_end(&p);
         prop_assert!((end * (1.0 - end).exp() - 0.2).abs() < 1e-9 && end > 1.0, "{end}");
@@ -194,17 +191,24 @@ fn a_curve_without_an_end_is_not_followed_for_ever() {
 #[test]
 fn a_closed_interface_has_its_first_stiffness() {
     let p = [0.2, 0.1, 0.5, 10.0];
-    let (force, a) = Irreversible(Triangle)
+    let (force, a) = Irreversible(Polynomial)
         .analytic_tangent(&Context::default(), &[0.0; 3], &p, &[0.0], &mut [0.0])
         .expect("an analytic tangent");
-    // σc at a quarter of 2 Gc/σc = 4 mm.
+    // 27/4 σc/δf with δf = 3.556 mm.
     assert_eq!(force, [0.0; 3]);
-    assert_eq!(a, [[0.1, 0.0, 0.0], [0.0, 0.025, 0.0], [0.0, 0.0, 0.025]]);
+    let first = 6.75 * 0.1 / (16.0 / 9.0 * 2.0);
+    let expected = [first, 0.25 * first, 0.25 * first];
+    for (i, row) in a.iter().enumerate() {
+        for (j, k) in row.iter().enumerate() {
+            let exact = if i == j { expected[i] } else { 0.0 };
+            assert!((k - exact).abs() < 1e-15, "{a:?}");
+        }
+    }
 }
 
 #[test]
 fn what_the_law_says_of_itself() {
-    let law = Irreversible(Triangle);
+    let law = Irreversible(Polynomial);
     assert_eq!(law.parameters().len(), cohesive::PARAMETERS);
     assert_eq!(law.history().iter().map(|h| (&*h.name, h.initial)).collect::<Vec<_>>(), [("delta_max", 0.0)]);
     assert!(!law.rate_dependent());
