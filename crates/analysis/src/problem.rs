@@ -16,6 +16,18 @@ pub type Cancelled<'a> = &'a dyn Watch;
 /// Runs kept per test as first guesses: an accepted point with its derivatives, and a trial.
 const KEPT: usize = 2;
 
+/// A trial may take so many times the Newton iterations of the runs before it, each with an allowance for a jump.
+const PATIENCE: usize = 3;
+const JUMP: usize = 200;
+
+/// A finished run, as a first guess.
+#[derive(Clone)]
+struct Kept {
+    warm: Warm,
+    /// Newton iterations; `None` where it was made elsewhere.
+    iterations: Option<usize>,
+}
+
 /// A model with some free parameters, compared with some blocks.
 pub struct FeProblem<'a> {
     /// The model.
@@ -31,8 +43,11 @@ pub struct FeProblem<'a> {
     /// Added to the prediction: what a finer mesh says more.
     pub correction: Correction,
     cancelled: Cancelled<'a>,
+    /// Whether a run is given up where it takes far longer than those before it. Runs that are made side by side would hang on
+    /// each other.
+    pub impatient: bool,
     /// The latest runs per test, newest last: an accepted point and a trial, say.
-    warm: Mutex<Vec<Vec<Warm>>>,
+    warm: Mutex<Vec<Vec<Kept>>>,
     /// What was predicted last, and where: for whoever watches.
     last: Mutex<Option<(Vec<f64>, DVector<f64>)>>,
     runs: AtomicUsize,
@@ -56,6 +71,7 @@ impl<'a> FeProblem<'a> {
             slots,
             options,
             correction: Correction::default(),
+            impatient: false,
             cancelled,
             warm: Mutex::new(vec![Vec::new(); tests]),
             last: Mutex::new(None),
@@ -65,37 +81,47 @@ impl<'a> FeProblem<'a> {
 
     /// States of the latest runs, per test.
     pub fn warm(&self) -> Vec<Option<Warm>> {
-        self.kept().iter().map(|runs| runs.last().map(Warm::plain)).collect()
+        self.kept().iter().map(|runs| runs.last().map(|k| k.warm.plain())).collect()
     }
 
     /// Starts from states kept elsewhere.
     pub fn start_from(&self, states: Vec<Option<Warm>>) {
         let mut kept = self.kept();
         if states.len() == kept.len() {
-            *kept = states.into_iter().map(|w| w.into_iter().collect()).collect();
+            let elsewhere = |warm| Kept { warm, iterations: None };
+            *kept = states.into_iter().map(|w| w.into_iter().map(elsewhere).collect()).collect();
         }
     }
 
-    fn kept(&self) -> std::sync::MutexGuard<'_, Vec<Vec<Warm>>> {
+    fn kept(&self) -> std::sync::MutexGuard<'_, Vec<Vec<Kept>>> {
         self.warm.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
     /// The kept run nearest to θ, per test; without derivatives the newest.
     fn nearest(&self, theta: &[f64]) -> Vec<Option<Warm>> {
-        let near = |runs: &Vec<Warm>| {
-            runs.iter().rev().min_by(|a, b| a.distance(theta).total_cmp(&b.distance(theta))).cloned()
+        let near = |runs: &Vec<Kept>| {
+            let warm = runs.iter().rev().map(|k| &k.warm);
+            warm.min_by(|a, b| a.distance(theta).total_cmp(&b.distance(theta))).cloned()
         };
         self.kept().iter().map(near).collect()
+    }
+
+    /// Newton iterations after which a run is given up.
+    pub(crate) fn budget(&self) -> usize {
+        let budget = self.options.stepping.budget;
+        let longest = self.kept().iter().flatten().filter_map(|k| k.iterations).max();
+        longest.filter(|_| self.impatient).map_or(budget, |n| budget.min(PATIENCE * (n + JUMP)))
     }
 
     /// Keeps the states of finished runs.
     fn keep(&self, runs: &[Option<TestRun>], theta: &[f64], seeds: &[usize]) {
         for (slot, run) in self.kept().iter_mut().zip(runs) {
             if let Some(r) = run.as_ref().filter(|r| r.run.failure.is_none()) {
-                slot.push(Warm::first_order(&r.run, r.plan.targets.len(), theta, seeds));
+                let warm = Warm::first_order(&r.run, r.plan.targets.len(), theta, seeds);
+                slot.push(Kept { warm, iterations: Some(r.run.iterations) });
                 if slot.len() > KEPT {
-                    let only = slot.iter().filter(|w| w.has_derivatives()).count() == 1;
-                    slot.remove(usize::from(only && slot[0].has_derivatives()));
+                    let only = slot.iter().filter(|k| k.warm.has_derivatives()).count() == 1;
+                    slot.remove(usize::from(only && slot[0].warm.has_derivatives()));
                 }
             }
         }
@@ -150,6 +176,7 @@ impl<'a> FeProblem<'a> {
         let mut options = self.options;
         options.stepping.keep_states = true;
         options.stepping.keep_gradients = !seeds.is_empty();
+        options.stepping.budget = self.budget();
         let warm = self.nearest(theta);
         self.runs.fetch_add(1, Ordering::Relaxed);
         let stops = || self.cancelled.stops();

@@ -26,7 +26,7 @@ enum Begin {
 }
 
 /// Shares of the screen's estimate. It is linear, and may stand far beyond where the effect still fits.
-const SHARES: [f64; 4] = [0.5, 0.25, 0.1, 0.05];
+const SHARES: [f64; 5] = [0.5, 0.25, 0.1, 0.05, 0.01];
 
 impl FeLadder<'_> {
     /// Fits a rung from the screen's estimate. At its neutral value an effect leaves the base as good
@@ -56,7 +56,13 @@ impl FeLadder<'_> {
                 break;
             }
             let states = self.guesses(base, &model);
-            match self.fit_model(model, theta, correction.clone(), states) {
+            // Where another start follows, a fit that will not come to what is known is left for it.
+            let known = if begin == Begin::Screened && !self.laws_alone(effects) {
+                base.fit.f
+            } else {
+                f64::INFINITY
+            };
+            match self.fit_model(model, theta, correction.clone(), states, known) {
                 Ok(f) if f.fit.f <= base.fit.f => return Ok(f),
                 Ok(f) if best.as_ref().is_ok_and(|b| b.fit.f <= f.fit.f) => {}
                 Err(e) if self.cancelled.stops() => return Err(e),
@@ -140,7 +146,7 @@ impl FeLadder<'_> {
             super::named(effects)
         ));
         let Ok(correction) = self.correction_beside(base, &model) else { return first };
-        match self.fit_model(model, theta, correction, Vec::new()) {
+        match self.fit_model(model, theta, correction, Vec::new(), first.fit.f) {
             Ok(f) if f.fit.f < first.fit.f => f,
             _ => first,
         }
@@ -172,7 +178,7 @@ impl FeLadder<'_> {
         let model = Model::new(case.clone(), self.catalogue, self.how)?;
         let theta = self.start_by_record(&case, &model)?;
         let correction = Correction::constant(first.correction.shift.clone());
-        self.fit_model(model, theta, correction, Vec::new())
+        self.fit_model(model, theta, correction, Vec::new(), first.fit.f)
     }
 }
 

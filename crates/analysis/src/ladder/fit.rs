@@ -1,5 +1,6 @@
 //! Fits on the search's mesh.
 
+use super::pace::Pace;
 use super::{FeLadder, Fitted};
 use crate::correction::Correction;
 use crate::cost::Phase;
@@ -25,7 +26,7 @@ pub(super) const LITTLE: f64 = 0.9;
 const COARSE_TOLERANCE: f64 = 2e-2;
 
 /// Steps of a fit at most.
-const STEPS: usize = 24;
+pub(super) const STEPS: usize = 24;
 
 /// Three steps in a row that lower χ² by less than this end the fit of what is weighed.
 const INSIGNIFICANT: f64 = 0.25;
@@ -73,13 +74,14 @@ impl FeLadder<'_> {
         list
     }
 
-    /// Fits a model from θ on all data.
+    /// Fits a model from θ on all data; one that is of use below an objective, only as long as it may come there.
     pub(super) fn fit_model(
         &self,
         model: Model,
         theta: Vec<f64>,
         correction: Correction,
         states: Vec<Option<fem::Warm>>,
+        below: f64,
     ) -> Result<Fitted, AnalysisError> {
         let free = model.free();
         let list = self.free_parameters(&model, &theta, &free);
@@ -93,18 +95,19 @@ impl FeLadder<'_> {
                 self.cancelled,
             );
             problem.options.stepping.budget = crate::identify::TRIAL_BUDGET;
+            problem.impatient = true;
             problem.correction = correction.clone();
             problem.start_from(states);
             let options = search_options(&list);
             let little = self.little();
-            let mut watch = self.watch(&model, little.clone());
+            let mut watch = self.watch(&model, little.clone(), Pace::below(below));
             let asked = Asked {
                 problem: &problem,
                 beside: None,
                 data: &self.measured.data,
                 free: &list,
                 options: &options,
-                how: &format!("little {little:?}, leader {:?}", self.leader),
+                how: &format!("little {little:?}, leader {:?}, below {below}", self.leader),
                 cancelled: self.cancelled,
             };
             let done = remembered(self.journal, &asked, &mut watch, &mut |observer| {
@@ -137,8 +140,13 @@ impl FeLadder<'_> {
         LITTLE * base..base / LITTLE
     }
 
-    /// Tells the steps of a model's fit, and ends one that gains little or that stays behind the leader.
-    fn watch(&self, model: &Model, little: Range<f64>) -> impl FnMut(&Iterate) -> ControlFlow<()> {
+    /// Tells the steps of a model's fit, and ends one that gains little, that stays behind the leader or is too slow.
+    fn watch(
+        &self,
+        model: &Model,
+        little: Range<f64>,
+        mut pace: Pace,
+    ) -> impl FnMut(&Iterate) -> ControlFlow<()> {
         let names = super::named(&self.parts_of(model));
         let (progress, leader) = (self.progress, self.leader);
         let mut last = f64::INFINITY;
@@ -153,7 +161,8 @@ impl FeLadder<'_> {
                 .zip(leader)
                 .is_some_and(|(f, leader)| evidence::hopeless(-0.5 * f, last - f, -0.5 * leader));
             last = taken.unwrap_or(last);
-            if idle || behind { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            let too_slow = taken.is_some_and(|f| pace.too_slow(i.iteration, f));
+            if idle || behind || too_slow { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         }
     }
 }
@@ -185,6 +194,39 @@ fn search_options(list: &[inverse::Free]) -> FitOptions {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::identify::TRIAL_BUDGET;
+    use inverse::{PredictError, Problem as _};
+
+    /// A fit's run is given up where it takes far longer than the one before it, and only then; the first has the whole budget.
+    #[test]
+    fn a_run_that_takes_far_longer_than_the_last_is_given_up() {
+        let catalogue = effects::catalogue();
+        let ladder = crate::ladder::tests::unexplained(&catalogue);
+        let base = &ladder.fitted_models[&Vec::new()];
+        let (slots, options) = (&ladder.measured.slots, ladder.options);
+        let problem = |impatient| {
+            let mut p =
+                FeProblem::new(&base.model, base.theta.clone(), Vec::new(), slots, options, &|| false);
+            p.options.stepping.budget = TRIAL_BUDGET;
+            p.impatient = impatient;
+            p
+        };
+        let (patient, impatient) = (problem(false), problem(true));
+        assert_eq!((patient.budget(), impatient.budget()), (TRIAL_BUDGET, TRIAL_BUDGET));
+        for p in [&patient, &impatient] {
+            p.predict(&[], false).expect("an answer");
+        }
+        let runs = patient.run(&base.theta, &[]).expect("a run");
+        let own: usize = runs.iter().flatten().map(|r| r.run.iterations).max().expect("a test");
+        let left = impatient.budget();
+        assert_eq!(patient.budget(), TRIAL_BUDGET);
+        assert!(left < TRIAL_BUDGET && left > 2 * own && left < 1000 + 5 * own, "{left} for {own}");
+        // Fewer than it takes: no answer, and the next run does not have less for that.
+        let mut hasty = problem(true);
+        hasty.options.stepping.budget = 3;
+        assert!(matches!(hasty.predict(&[], false), Err(PredictError::NotComputable(_))));
+        assert_eq!(hasty.budget(), 3);
+    }
 
     #[test]
     fn every_run_of_a_fit_is_told() {

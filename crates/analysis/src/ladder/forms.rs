@@ -71,7 +71,7 @@ impl FeLadder<'_> {
                 theta[i] = *v;
             }
         }
-        self.fit_model(model, theta, f.correction.clone(), Vec::new())
+        self.fit_model(model, theta, f.correction.clone(), Vec::new(), f.fit.f)
     }
 
     /// Configurations of effects, started from a share of the screen's amplitudes.

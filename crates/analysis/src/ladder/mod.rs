@@ -15,6 +15,7 @@ pub(crate) mod laws;
 mod leading;
 mod neutral;
 pub(crate) mod next_test;
+mod pace;
 mod settle;
 #[cfg(test)]
 pub(crate) mod tests;

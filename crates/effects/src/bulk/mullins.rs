@@ -6,7 +6,7 @@ use crate::decorator::{Call, Decoration, Tangent, decorate};
 use crate::numeric::{add_scaled, erf_integral, plus};
 use constitutive::{Capability, Energy, Law, Part, PointLaw, Response, Scalar};
 use model::{Action, Card, Effect, Options, Piece, Scales, Screening, Sided, Site};
-use params::{ParamSpec, Quantity};
+use params::{ParamSpec, Quantity, Transform};
 use std::f64::consts::FRAC_2_SQRT_PI;
 use std::sync::Arc;
 
@@ -40,6 +40,10 @@ static CARD: Card = Card {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mullins;
 
+/// Least share of Ψmax over which a search lets softening set in: one percent of the stretch. Less is a step of the stress
+/// at each turn, which no record resolves and Newton's method crosses in many small steps, if at all.
+const GRADUAL: f64 = 0.02;
+
 fn own_parameters() -> Vec<ParamSpec> {
     use Quantity::{Dimensionless, EnergyDensity};
     vec![
@@ -53,7 +57,9 @@ fn own_parameters() -> Vec<ParamSpec> {
             1e-4,
             "energy distance over which softening sets in",
         ),
-        ParamSpec::new("beta", "β", Dimensionless, (0.0, 5.0), 0.2, "share of Ψmax in that distance"),
+        ParamSpec::new("beta", "β", Dimensionless, (GRADUAL, 5.0), 0.2, "share of Ψmax in that distance")
+            .admissible(0.0, 5.0)
+            .transform(Transform::Identity),
     ]
 }
 
@@ -73,7 +79,7 @@ impl Effect for Mullins {
     fn shapes(&self, scales: &Scales) -> Vec<Vec<f64>> {
         // Abrupt softening to one spread over the whole energy range, at a distance of its own or
         // in proportion to the energy reached.
-        [(0.003, 0.0), (0.03, 0.0), (0.3, 0.0), (0.001, 0.2), (0.001, 1.0)]
+        [(0.003, GRADUAL), (0.03, GRADUAL), (0.3, GRADUAL), (0.001, 0.2), (0.001, 1.0)]
             .map(|(share, beta)| vec![0.0, in_bounds(share * scales.energy), beta])
             .to_vec()
     }
