@@ -15,6 +15,8 @@ use std::ops::ControlFlow;
 pub struct Poll {
     /// χ² per point above which it is worth the runs: what is left below that may be how well the model can do.
     pub above: f64,
+    /// Objective above which it is not worth the runs: another start came to that.
+    pub below: f64,
     /// Free parameters that move together, by their places in the list of free parameters.
     pub groups: Vec<Vec<usize>>,
 }
@@ -27,14 +29,14 @@ const STEPS: [f64; 2] = [0.04, 0.15];
 pub(crate) const ENOUGH: f64 = 0.95;
 
 impl Poll {
-    /// Each parameter alone.
+    /// Each parameter alone, however far f is.
     pub fn each(above: f64, free: usize) -> Self {
-        Self { above, groups: (0..free).map(|k| vec![k]).collect() }
+        Self { above, below: f64::INFINITY, groups: (0..free).map(|k| vec![k]).collect() }
     }
 
-    /// Whether an objective is so far from the records that it is worth the runs.
+    /// Whether an objective is so far from the records that it is worth the runs, and not so far that another start is better.
     pub(crate) fn is_far(&self, f: f64, data: &Data, options: &FitOptions) -> bool {
-        f > self.above * options.unit(data) * data.points().max(1) as f64
+        f > self.above * options.unit(data) * data.points().max(1) as f64 && f <= self.below
     }
 
     /// The places around a point, in transformed coordinates; those that bounds leave where they are are left out.

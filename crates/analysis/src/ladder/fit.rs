@@ -9,7 +9,7 @@ use crate::journal::{Asked, remembered};
 use crate::problem::FeProblem;
 use crate::{priors, start};
 use input::Case;
-use inverse::{FitOptions, Iterate, Objective, quality};
+use inverse::{FitOptions, Iterate, Objective, Poll, quality};
 use model::Model;
 use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
@@ -98,7 +98,7 @@ impl FeLadder<'_> {
             problem.impatient = true;
             problem.correction = correction.clone();
             problem.start_from(states);
-            let options = search_options(&list);
+            let options = search_options(&list, below);
             let little = self.little();
             let mut watch = self.watch(&model, little.clone(), Pace::below(below));
             let asked = Asked {
@@ -176,7 +176,8 @@ fn came_to(i: &Iterate) -> String {
     }
 }
 
-fn search_options(list: &[inverse::Free]) -> FitOptions {
+/// Above what another start came to, a fit that is stuck does not look around.
+fn search_options(list: &[inverse::Free], below: f64) -> FitOptions {
     FitOptions {
         objective: Objective::Record,
         tolerance: TOLERANCE,
@@ -187,7 +188,7 @@ fn search_options(list: &[inverse::Free]) -> FitOptions {
         // A rejected trial needs none, and derivatives cost as much as a run.
         jacobian_with_trial: false,
         max_step: 0.7,
-        poll: Some(crate::identify::poll(list)),
+        poll: Some(Poll { below, ..crate::identify::poll(list) }),
     }
 }
 

@@ -67,6 +67,16 @@ fn what_is_left_below_the_limit_is_not_looked_over() {
     assert_eq!((same.theta, same.forward_runs), (stuck.theta, stuck.forward_runs));
 }
 
+/// Above what another start came to, a look around is not worth its runs; up to there it is.
+#[test]
+fn what_another_start_is_below_of_is_not_looked_over() {
+    let stuck = fitted(None, 0.36);
+    let below = |times: f64| Some(Poll { below: times * stuck.f, ..Poll::each(3.0, 1) });
+    let [same, out] = [0.99, 1.01].map(|times| fitted(below(times), 0.36));
+    assert_eq!((same.theta, same.forward_runs), (stuck.theta, stuck.forward_runs));
+    assert!(out.f < 0.1 * stuck.f && out.forward_runs > stuck.forward_runs, "{} at {:?}", out.f, out.theta);
+}
+
 /// Before a jump steps get shorter and shorter, and lower f, if by next to nothing.
 #[test]
 fn steps_that_creep_up_to_a_jump_are_no_end() {
