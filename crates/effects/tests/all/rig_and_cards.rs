@@ -25,6 +25,21 @@ fn pulls() -> Steps<1> {
         .collect()
 }
 
+/// What a screen and a fit begin with lies where a search goes.
+#[test]
+fn shapes_and_starts_are_within_the_bounds_of_a_search() {
+    for e in effects() {
+        let specs = e.parameters(&Options::new());
+        for values in e.shapes(&SCALES).into_iter().chain([e.start(&SCALES)]) {
+            assert_eq!(values.len(), specs.len(), "{}", e.card().name);
+            for (spec, v) in specs.iter().zip(values) {
+                let inside = (spec.lower..=spec.upper).contains(&v) || spec.neutral == Some(v);
+                assert!(inside, "{}: {} = {v}, {} to {}", e.card().name, spec.name, spec.lower, spec.upper);
+            }
+        }
+    }
+}
+
 #[test]
 fn neutral_links_do_nothing_to_the_bit() {
     for e in effects() {

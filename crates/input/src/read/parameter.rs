@@ -144,8 +144,9 @@ fn check_order(context: Context<'_>, rule: &Rule<'_>, item: &Item<'_>, v: &Value
 
 /// Limits of an effect's parameter, as its card says; the neutral value is always allowed.
 pub(crate) fn limits_of(spec: &params::ParamSpec) -> Limits {
-    let neutral = spec.neutral.unwrap_or(spec.lower);
-    Limits::within(spec.lower.min(neutral), spec.upper.max(neutral))
+    let (lower, upper) = spec.admissible.unwrap_or((spec.lower, spec.upper));
+    let neutral = spec.neutral.unwrap_or(lower);
+    Limits::within(lower.min(neutral), upper.max(neutral))
 }
 
 /// A key of an effect's parameter.
@@ -159,5 +160,21 @@ pub(crate) fn key_of(section: String, spec: &params::ParamSpec) -> Key {
             format!("{} (start)", crate::keys::plain(spec.in_file_unit(spec.start))).into(),
         ),
         description: spec.description.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use params::ParamSpec;
+
+    /// A file may give what a search does not go to, where the effect says so.
+    #[test]
+    fn a_file_may_give_what_a_search_keeps_away_from() {
+        let spec = ParamSpec::new("beta", "β", Quantity::Dimensionless, (0.02, 5.0), 0.2, "a share");
+        let bounds = |spec: &ParamSpec| (limits_of(spec).lower, limits_of(spec).upper);
+        assert_eq!(bounds(&spec), (0.02, 5.0));
+        assert_eq!(bounds(&spec.clone().neutral(0.0)), (0.0, 5.0));
+        assert_eq!(bounds(&spec.admissible(0.0, 9.0)), (0.0, 9.0));
     }
 }
