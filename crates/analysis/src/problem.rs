@@ -16,9 +16,19 @@ pub type Cancelled<'a> = &'a dyn Watch;
 /// Runs kept per test as first guesses: an accepted point with its derivatives, and a trial.
 const KEPT: usize = 2;
 
-/// A trial may take so many times the Newton iterations of the runs before it, each with an allowance for a jump.
-const PATIENCE: usize = 3;
-const JUMP: usize = 200;
+/// How long a run may take beside those before it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Patience {
+    /// So many times the Newton iterations of the longest of them,
+    pub times: usize,
+    /// each with these for a jump that it did not have.
+    pub jump: usize,
+}
+
+impl Patience {
+    /// Of a fit with its trials.
+    pub const FIT: Self = Self { times: 3, jump: 200 };
+}
 
 /// A finished run, as a first guess.
 #[derive(Clone)]
@@ -43,9 +53,9 @@ pub struct FeProblem<'a> {
     /// Added to the prediction: what a finer mesh says more.
     pub correction: Correction,
     cancelled: Cancelled<'a>,
-    /// Whether a run is given up where it takes far longer than those before it. Runs that are made side by side would hang on
+    /// Where a run is given up that takes far longer than those before it. Not for runs made side by side: they would hang on
     /// each other.
-    pub impatient: bool,
+    pub(crate) patience: Option<Patience>,
     /// The latest runs per test, newest last: an accepted point and a trial, say.
     warm: Mutex<Vec<Vec<Kept>>>,
     /// What was predicted last, and where: for whoever watches.
@@ -71,7 +81,7 @@ impl<'a> FeProblem<'a> {
             slots,
             options,
             correction: Correction::default(),
-            impatient: false,
+            patience: None,
             cancelled,
             warm: Mutex::new(vec![Vec::new(); tests]),
             last: Mutex::new(None),
@@ -107,10 +117,11 @@ impl<'a> FeProblem<'a> {
     }
 
     /// Newton iterations after which a run is given up.
-    pub(crate) fn budget(&self) -> usize {
+    fn budget(&self) -> usize {
         let budget = self.options.stepping.budget;
         let longest = self.kept().iter().flatten().filter_map(|k| k.iterations).max();
-        longest.filter(|_| self.impatient).map_or(budget, |n| budget.min(PATIENCE * (n + JUMP)))
+        let both = longest.zip(self.patience);
+        both.map_or(budget, |(n, patience)| budget.min(patience.times * (n + patience.jump)))
     }
 
     /// Keeps the states of finished runs.

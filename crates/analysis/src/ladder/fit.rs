@@ -6,7 +6,7 @@ use crate::correction::Correction;
 use crate::cost::Phase;
 use crate::identify::{AnalysisError, free_parameters};
 use crate::journal::{Asked, remembered};
-use crate::problem::FeProblem;
+use crate::problem::{FeProblem, Patience};
 use crate::{priors, start};
 use input::Case;
 use inverse::{FitOptions, Iterate, Objective, Poll, quality};
@@ -95,7 +95,7 @@ impl FeLadder<'_> {
                 self.cancelled,
             );
             problem.options.stepping.budget = crate::identify::TRIAL_BUDGET;
-            problem.impatient = true;
+            problem.patience = Some(Patience::FIT);
             problem.correction = correction.clone();
             problem.start_from(states);
             let options = search_options(&list, below);
@@ -195,38 +195,51 @@ fn search_options(list: &[inverse::Free], below: f64) -> FitOptions {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identify::TRIAL_BUDGET;
+    use crate::ladder::tests::unexplained;
     use inverse::{PredictError, Problem as _};
 
-    /// A fit's run is given up where it takes far longer than the one before it, and only then; the first has the whole budget.
+    /// A run that takes far longer than the one before it gives no answer; the first of a fit has all the time, and so has every run
+    /// where nobody is in a hurry.
     #[test]
     fn a_run_that_takes_far_longer_than_the_last_is_given_up() {
         let catalogue = effects::catalogue();
-        let ladder = crate::ladder::tests::unexplained(&catalogue);
+        let ladder = unexplained(&catalogue);
         let base = &ladder.fitted_models[&Vec::new()];
-        let (slots, options) = (&ladder.measured.slots, ladder.options);
-        let problem = |impatient| {
-            let mut p =
-                FeProblem::new(&base.model, base.theta.clone(), Vec::new(), slots, options, &|| false);
-            p.options.stepping.budget = TRIAL_BUDGET;
-            p.impatient = impatient;
-            p
+        let (slots, options, free) = (&ladder.measured.slots, ladder.options, base.free.clone());
+        let second = |patience: Option<Patience>| {
+            let theta = base.theta.clone();
+            let mut p = FeProblem::new(&base.model, theta, free.clone(), slots, options, &|| false);
+            p.patience = patience;
+            p.predict(&base.fit.theta, true).expect("the first run's answer");
+            let elsewhere: Vec<f64> = base.fit.theta.iter().map(|v| 1.3 * v).collect();
+            p.predict(&elsewhere, false)
         };
-        let (patient, impatient) = (problem(false), problem(true));
-        assert_eq!((patient.budget(), impatient.budget()), (TRIAL_BUDGET, TRIAL_BUDGET));
-        for p in [&patient, &impatient] {
-            p.predict(&[], false).expect("an answer");
-        }
-        let runs = patient.run(&base.theta, &[]).expect("a run");
-        let own: usize = runs.iter().flatten().map(|r| r.run.iterations).max().expect("a test");
-        let left = impatient.budget();
-        assert_eq!(patient.budget(), TRIAL_BUDGET);
-        assert!(left < TRIAL_BUDGET && left > 2 * own && left < 1000 + 5 * own, "{left} for {own}");
-        // Fewer than it takes: no answer, and the next run does not have less for that.
-        let mut hasty = problem(true);
-        hasty.options.stepping.budget = 3;
-        assert!(matches!(hasty.predict(&[], false), Err(PredictError::NotComputable(_))));
-        assert_eq!(hasty.budget(), 3);
+        let answer = second(None).expect("an answer");
+        let waited = second(Some(Patience::FIT)).expect("an answer in time");
+        assert_eq!(answer.values, waited.values);
+        let hasty = second(Some(Patience { times: 1, jump: 0 }));
+        assert!(matches!(&hasty, Err(PredictError::NotComputable(why)) if why.contains("Newton iterations")));
+        // A jump, of some hundred iterations, is no reason.
+        assert!(second(Some(Patience { times: 1, ..Patience::FIT })).is_ok());
+    }
+
+    /// What will not come to what another start came to is left, and does not look around above that.
+    #[test]
+    fn a_fit_beside_a_better_start_is_left() {
+        let catalogue = effects::catalogue();
+        let ladder = unexplained(&catalogue);
+        let model = &ladder.fitted_models[&Vec::new()].model;
+        let left_at = |below: f64| {
+            let mut watch = ladder.watch(model, 0.0..0.0, Pace::below(below));
+            [900.0, 899.0, 898.0, 897.0].into_iter().enumerate().position(|(iteration, f)| {
+                let taken =
+                    Iterate { iteration, f: Some(f), theta: Vec::new(), accepted: true, damping: 0.0 };
+                watch(&taken).is_break()
+            })
+        };
+        assert_eq!((left_at(10.0), left_at(f64::INFINITY)), (Some(2), None));
+        let poll = search_options(&[], 10.0).poll.expect("a look around");
+        assert_eq!((poll.below, poll.above), (10.0, crate::identify::FAR));
     }
 
     #[test]
