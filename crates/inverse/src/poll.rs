@@ -8,7 +8,7 @@
 use crate::fit::{Advance, Failure, Search, State};
 use crate::{Data, FitError, FitOptions, Free, Iterate, PredictError, StopReason};
 use nalgebra::DVector;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
 /// When and along what to look around.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +17,8 @@ pub struct Poll {
     pub above: f64,
     /// Objective above which it is not worth the runs: another start came to that.
     pub below: f64,
+    /// Objectives at which it is not worth the runs: another fit looked around there.
+    pub known: Range<f64>,
     /// Free parameters that move together, by their places in the list of free parameters.
     pub groups: Vec<Vec<usize>>,
 }
@@ -31,12 +33,13 @@ pub(crate) const ENOUGH: f64 = 0.95;
 impl Poll {
     /// Each parameter alone, however far f is.
     pub fn each(above: f64, free: usize) -> Self {
-        Self { above, below: f64::INFINITY, groups: (0..free).map(|k| vec![k]).collect() }
+        Self { above, below: f64::INFINITY, known: 0.0..0.0, groups: (0..free).map(|k| vec![k]).collect() }
     }
 
-    /// Whether an objective is so far from the records that it is worth the runs, and not so far that another start is better.
+    /// Whether an objective is so far from the records that it is worth the runs, and not what another fit came to or is better than.
     pub(crate) fn is_far(&self, f: f64, data: &Data, options: &FitOptions) -> bool {
-        f > self.above * options.unit(data) * data.points().max(1) as f64 && f <= self.below
+        let far = f > self.above * options.unit(data) * data.points().max(1) as f64;
+        far && f <= self.below && !self.known.contains(&f)
     }
 
     /// The places around a point, in transformed coordinates; those that bounds leave where they are are left out.

@@ -17,7 +17,7 @@ pub(crate) fn poll(free: &[Free]) -> Poll {
         };
         groups.entry(together).or_default().push(k);
     }
-    Poll { above: FAR, below: f64::INFINITY, groups: groups.into_values().collect() }
+    Poll { groups: groups.into_values().collect(), ..Poll::each(FAR, 0) }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use super::pace::Pace;
 use super::{FeLadder, Fitted};
 use crate::correction::Correction;
 use crate::cost::Phase;
-use crate::identify::{AnalysisError, free_parameters};
+use crate::identify::{AnalysisError, FAR, free_parameters};
 use crate::journal::{Asked, remembered};
 use crate::problem::{FeProblem, Patience};
 use crate::{priors, start};
@@ -98,8 +98,10 @@ impl FeLadder<'_> {
             problem.patience = Some(Patience::FIT);
             problem.correction = correction.clone();
             problem.start_from(states);
-            let options = search_options(&list, below);
-            let little = self.little();
+            let beside = self.part_that_misses(&model);
+            let little = self.little(beside);
+            let known = beside.map_or(0.0..0.0, |_| little.clone());
+            let options = search_options(&list, below, known);
             let mut watch = self.watch(&model, little.clone(), Pace::below(below));
             let asked = Asked {
                 problem: &problem,
@@ -134,9 +136,16 @@ impl FeLadder<'_> {
         })
     }
 
-    /// The values of χ² that are about the base's.
-    fn little(&self) -> Range<f64> {
-        let base = self.fitted_models.get(&Vec::new()).map_or(f64::INFINITY, |f| f.fit.f);
+    /// The fit of the most of a model's effects, if not of all or none, where it misses the records by far.
+    fn part_that_misses(&self, model: &Model) -> Option<&Fitted> {
+        let key = Self::key(&self.parts_of(model));
+        let part = self.nearest_where(&key, |k| k.len() < key.len()).filter(|(k, _)| !k.is_empty());
+        part.map(|(_, f)| f).filter(|f| f.quality.reduced_chi2_total > FAR)
+    }
+
+    /// The values of χ² that are about those of such a part, else of the base.
+    fn little(&self, part: Option<&Fitted>) -> Range<f64> {
+        let base = part.or_else(|| self.fitted_models.get(&Vec::new())).map_or(f64::INFINITY, |f| f.fit.f);
         LITTLE * base..base / LITTLE
     }
 
@@ -176,8 +185,8 @@ fn came_to(i: &Iterate) -> String {
     }
 }
 
-/// Above what another start came to, a fit that is stuck does not look around.
-fn search_options(list: &[inverse::Free], below: f64) -> FitOptions {
+/// Above what another start came to, or where a part of the model looked around, a fit that is stuck does not do so.
+fn search_options(list: &[inverse::Free], below: f64, known: Range<f64>) -> FitOptions {
     FitOptions {
         objective: Objective::Record,
         tolerance: TOLERANCE,
@@ -188,7 +197,7 @@ fn search_options(list: &[inverse::Free], below: f64) -> FitOptions {
         // A rejected trial needs none, and derivatives cost as much as a run.
         jacobian_with_trial: false,
         max_step: 0.7,
-        poll: Some(Poll { below, ..crate::identify::poll(list) }),
+        poll: Some(Poll { below, known, ..crate::identify::poll(list) }),
     }
 }
 
@@ -238,8 +247,8 @@ mod tests {
             })
         };
         assert_eq!((left_at(10.0), left_at(f64::INFINITY)), (Some(2), None));
-        let poll = search_options(&[], 10.0).poll.expect("a look around");
-        assert_eq!((poll.below, poll.above), (10.0, crate::identify::FAR));
+        let poll = search_options(&[], 10.0, 3.0..4.0).poll.expect("a look around");
+        assert_eq!((poll.below, poll.above, poll.known), (10.0, FAR, 3.0..4.0));
     }
 
     #[test]

@@ -228,9 +228,18 @@ impl<'a> FeLadder<'a> {
     }
 
     fn nearest_of(&self, key: &[String]) -> Option<(&Vec<String>, &Fitted)> {
+        self.nearest_where(key, |_| true)
+    }
+
+    /// The same among rungs of some kind.
+    fn nearest_where(
+        &self,
+        key: &[String],
+        counts: impl Fn(&[String]) -> bool,
+    ) -> Option<(&Vec<String>, &Fitted)> {
         self.fitted_models
             .iter()
-            .filter(|(k, _)| k.iter().all(|e| key.contains(e)))
+            .filter(|(k, _)| counts(k) && k.iter().all(|e| key.contains(e)))
             .max_by(|a, b| a.0.len().cmp(&b.0.len()).then(b.1.fit.f.total_cmp(&a.1.fit.f)))
     }
 

@@ -77,6 +77,20 @@ fn what_another_start_is_below_of_is_not_looked_over() {
     assert!(out.f < 0.1 * stuck.f && out.forward_runs > stuck.forward_runs, "{} at {:?}", out.f, out.theta);
 }
 
+/// Where another fit looked around, nothing is to be found; a little beside there may be.
+#[test]
+fn where_another_fit_looked_around_is_not_looked_over() {
+    let stuck = fitted(None, 0.36);
+    let known = |from: f64, to: f64| {
+        fitted(Some(Poll { known: from * stuck.f..to * stuck.f, ..Poll::each(3.0, 1) }), 0.36)
+    };
+    let same = known(0.9, 1.1);
+    assert_eq!((same.theta, same.forward_runs), (stuck.theta, stuck.forward_runs));
+    for out in [known(0.5, 0.9), known(1.1, 2.0)] {
+        assert!(out.f < 0.1 * stuck.f, "{} at {:?}", out.f, out.theta);
+    }
+}
+
 /// Before a jump steps get shorter and shorter, and lower f, if by next to nothing.
 #[test]
 fn steps_that_creep_up_to_a_jump_are_no_end() {
