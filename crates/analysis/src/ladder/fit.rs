@@ -251,6 +251,28 @@ mod tests {
         assert_eq!((poll.below, poll.above, poll.known), (10.0, FAR, 3.0..4.0));
     }
 
+    /// A set is held against the part of it that was fitted, where that misses the records by far; else against the base.
+    #[test]
+    fn a_set_is_held_against_a_part_that_misses() {
+        let catalogue = effects::catalogue();
+        let mut ladder = unexplained(&catalogue);
+        let sets = [vec!["compliance".to_owned()], vec!["compliance".to_owned(), "drift".to_owned()]];
+        ladder.columns_at(&[]).expect("columns");
+        ladder.fit_sets(&sets[..1]).expect("a fit");
+        ladder.fit_sets(&sets[1..]).expect("a fit");
+        let held_against = |ladder: &FeLadder, set: &Vec<String>| {
+            let part = ladder.part_that_misses(&ladder.fitted_models[set].model);
+            (part.map(|f| f.fit.f), ladder.little(part))
+        };
+        let [base, one] = [&Vec::new(), &sets[0]].map(|s| ladder.fitted_models[s].fit.f);
+        assert!(ladder.fitted_models[&sets[0]].quality.reduced_chi2_total > FAR && one < base);
+        let about = |f: f64| LITTLE * f..f / LITTLE;
+        assert_eq!(held_against(&ladder, &sets[0]), (None, about(base)));
+        assert_eq!(held_against(&ladder, &sets[1]), (Some(one), about(one)));
+        ladder.fitted_models.get_mut(&sets[0]).expect("a fit").quality.reduced_chi2_total = FAR;
+        assert_eq!(held_against(&ladder, &sets[1]), (None, about(base)));
+    }
+
     #[test]
     fn every_run_of_a_fit_is_told() {
         let run = |f, accepted| Iterate { iteration: 1, f, theta: Vec::new(), accepted, damping: 0.0 };
