@@ -28,6 +28,11 @@ pub(crate) struct Patience {
 impl Patience {
     /// Of a fit with its trials.
     pub const FIT: Self = Self { times: 3, jump: 200 };
+
+    /// Newton iterations of a run after those.
+    pub const fn limit(self, longest: usize) -> usize {
+        self.times * (longest + self.jump)
+    }
 }
 
 /// A finished run, as a first guess.
@@ -120,8 +125,7 @@ impl<'a> FeProblem<'a> {
     fn budget(&self) -> usize {
         let budget = self.options.stepping.budget;
         let longest = self.kept().iter().flatten().filter_map(|k| k.iterations).max();
-        let both = longest.zip(self.patience);
-        both.map_or(budget, |(n, patience)| budget.min(patience.times * (n + patience.jump)))
+        self.patience.zip(longest).map_or(budget, |(patience, n)| budget.min(patience.limit(n)))
     }
 
     /// Keeps the states of finished runs.

@@ -228,6 +228,7 @@ mod tests {
         assert_eq!(answer.values, waited.values);
         let hasty = second(Some(Patience { times: 1, jump: 0 }));
         assert!(matches!(&hasty, Err(PredictError::NotComputable(why)) if why.contains("Newton iterations")));
+        assert_eq!(Patience::FIT.limit(50), 750);
         // A jump, of some hundred iterations, is no reason.
         assert!(second(Some(Patience { times: 1, ..Patience::FIT })).is_ok());
     }
