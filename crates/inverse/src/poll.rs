@@ -36,10 +36,14 @@ impl Poll {
         Self { above, below: f64::INFINITY, known: 0.0..0.0, groups: (0..free).map(|k| vec![k]).collect() }
     }
 
-    /// Whether an objective is so far from the records that it is worth the runs, and not what another fit came to or is better than.
+    /// Whether an objective is far from the records.
     pub(crate) fn is_far(&self, f: f64, data: &Data, options: &FitOptions) -> bool {
-        let far = f > self.above * options.unit(data) * data.points().max(1) as f64;
-        far && f <= self.below && !self.known.contains(&f)
+        f > self.above * options.unit(data) * data.points().max(1) as f64
+    }
+
+    /// Whether a look around is worth its runs: not above what another start came to, nor where another fit looked.
+    fn is_worth_it(&self, f: f64) -> bool {
+        f <= self.below && !self.known.contains(&f)
     }
 
     /// The places around a point, in transformed coordinates; those that bounds leave where they are are left out.
@@ -69,8 +73,8 @@ impl Search<'_> {
         iteration: usize,
         observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
     ) -> Result<Advance, FitError> {
-        let far = |p: &&Poll| p.is_far(state.f, self.data, self.options);
-        let Some(poll) = self.options.poll.as_ref().filter(far) else {
+        let worth = |p: &&Poll| p.is_far(state.f, self.data, self.options) && p.is_worth_it(state.f);
+        let Some(poll) = self.options.poll.as_ref().filter(worth) else {
             return Ok(Advance::Stop(None, StopReason::NoDescent));
         };
         let (mut enough, mut best) = (ENOUGH * state.f, None);

@@ -57,9 +57,16 @@ fn own_parameters() -> Vec<ParamSpec> {
             1e-4,
             "energy distance over which softening sets in",
         ),
-        ParamSpec::new("beta", "β", Dimensionless, (GRADUAL, 5.0), 0.2, "share of Ψmax in that distance")
-            .admissible(0.0, 5.0)
-            .transform(Transform::Identity),
+        ParamSpec::new(
+            "beta",
+            "β",
+            Dimensionless,
+            (GRADUAL, 5.0),
+            0.2,
+            "share of Ψmax in that distance; a file may give less, down to 0",
+        )
+        .admissible(0.0, 5.0)
+        .transform(Transform::Identity),
     ]
 }
 
