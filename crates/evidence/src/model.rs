@@ -101,14 +101,12 @@ impl Evidence {
         linear.check(record)?;
         let shares = Shares::of(record, linear);
         let mut out = Self::empty(record, linear);
-        let first = |l: &[(f64, f64)]| l.first().map_or(0.2, |l| l.0);
-        let (smooth_length, jerk_length) = (first(&rest.smooth_lengths), first(&rest.jerk_lengths));
         for (support, [smooth, jerk]) in SUPPORTS.into_iter().enumerate() {
             for &m in if support == 0 { &[1.0] } else { multiples } {
                 let size = |there: bool, scale: f64| if there { m * scale } else { 0.0 };
                 let (tau, upsilon) = (size(smooth, rest.smooth), size(jerk, rest.jerk));
-                for (form, m1) in rest.forms([smooth, jerk]) {
-                    let size = RestSize { tau, upsilon, smooth_length, jerk_length, form };
+                for (shape, m1) in rest.shapes([smooth, jerk]) {
+                    let size = RestSize { tau, upsilon, ..shape };
                     for (only, m2) in rest.places([smooth, jerk], record.tests) {
                         let reduced = reduce(record, &shares, (size, only), kernel);
                         let ln_z = out.over_noise(&reduced, &out.beliefs, None);

@@ -76,7 +76,7 @@ pub struct RestPrior {
 }
 
 impl Default for RestPrior {
-    /// Lengths: two-point Gauss–Legendre rule in ln ℓ₁ over 0.1 to 0.4; ℓ₂ the geometric middle of 0.01 and 0.02.
+    /// Lengths: three-point Gauss–Legendre rule in ln ℓ₁ over 0.025 to 0.4; ℓ₂ the geometric middle of 0.01 and 0.02.
     fn default() -> Self {
         Self {
             smooth: 0.015,
@@ -85,7 +85,7 @@ impl Default for RestPrior {
             alone: 0.5,
             proportional: 1.0 / 3.0,
             per_leg: 1.0 / 3.0,
-            smooth_lengths: vec![(0.134, 0.5), (0.298, 0.5)],
+            smooth_lengths: vec![(0.0342, 5.0 / 18.0), (0.1, 8.0 / 18.0), (0.293, 5.0 / 18.0)],
             jerk_lengths: vec![(0.0141, 1.0)],
             else_median: 4.0,
             else_spread: 0.8,

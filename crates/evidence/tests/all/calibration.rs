@@ -26,6 +26,16 @@ fn half_normal(random: &mut Random, scale: f64) -> f64 {
     if random.uniform() < 0.5 { 0.0 } else { scale * random.normal().abs() }
 }
 
+/// One of a few values, each as often as its prior mass says.
+fn by_mass(values: &[(f64, f64)], random: &mut Random) -> f64 {
+    let mut left = random.uniform();
+    let chosen = values.iter().find(|v| {
+        left -= v.1;
+        left < 0.0
+    });
+    chosen.or(values.last()).expect("a value").0
+}
+
 fn form(random: &mut Random, rest: &RestPrior) -> RestForm {
     match random.uniform() {
         u if u < rest.proportional => RestForm::Proportional,
@@ -56,7 +66,7 @@ fn draw(random: &mut Random, prior: &SetPrior, rest: &RestPrior) -> Drawn {
         let z = random.normal();
         if random.uniform() < 0.5 { tau = size(rest.smooth, z) } else { upsilon = size(rest.jerk, z) }
     }
-    let length = rest.smooth_lengths[usize::from(random.uniform() < 0.5)].0;
+    let length = by_mass(&rest.smooth_lengths, random);
     let size = RestSize {
         tau,
         upsilon,

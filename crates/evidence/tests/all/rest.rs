@@ -192,3 +192,30 @@ fn what_is_left_is_found_in_its_test() {
     assert!(low + high <= 8, "{low} {high} of {}", 2 * repeats);
     assert_eq!(noise_only, 0);
 }
+
+/// Waves of any length from a few percent of the record on, beside parameters that a longer rest would move: what is left is as large
+/// as they are, and no cause from outside is called for.
+#[test]
+fn short_waves_are_not_taken_for_a_larger_rest() {
+    let n = 200;
+    let points = evidence::Points { s: line(n), gap: vec![1; n], sd: 1.0, ar1: 0.0, leg: Vec::new() };
+    let rest = RestPrior::default();
+    let wide = |k: usize| parameter(&format!("p{k}"), Belief::normal(0.0, 2.0), false);
+    for smooth_length in [0.02, 0.035, 0.1, 0.25] {
+        let size = evidence::RestSize { tau: 0.02, smooth_length, ..evidence::RestSize::NONE };
+        let (mut stated, mut beyond, repeats, mut random) = (0.0, 0, 10, Random::new(41));
+        for _ in 0..repeats {
+            let drawn = DVector::from_vec(evidence::Process::new(&points, size).draw(&mut random).0);
+            let r = drawn * PEAK + random.normals(n) * (0.003 * PEAK);
+            let record = record(&data(&r, NoiseModel::white(0.003 * PEAK)), PEAK);
+            let model = linear(r, &[0, 1, 2, 3], (0..4).map(wide).collect(), PEAK);
+            let e = Evidence::of(&record, &model, &rest, Kernel::Plain).expect("evidence");
+            stated += remains(&record, &model, &e, &rest, 0.05).all.share_of_peak / f64::from(repeats);
+            beyond += i32::from(e.ln_z_else + 0.05f64.ln() > e.ln_z);
+        }
+        println!(
+            "length {smooth_length}: {stated:.4} left for 0.02, {beyond} of {repeats} with something else"
+        );
+        assert!(stated < 1.4 * 0.02 && stated > 0.02 / 1.4 && beyond <= 1, "{stated} {beyond}");
+    }
+}
