@@ -7,6 +7,7 @@
 #![warn(missing_docs)]
 
 pub mod amplitude;
+pub mod archive;
 pub mod draw;
 pub mod files;
 pub mod foreign;

@@ -5,11 +5,12 @@ use hidden_suite::forward::Fineness;
 use hidden_suite::report::{Beside, Study};
 use hidden_suite::run::Drawn;
 use hidden_suite::spec::{Spec, suite};
-use hidden_suite::{generate::generate, imitate, report, run};
+use hidden_suite::{GenerateError, archive, generate::generate, imitate, report, run};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum What {
@@ -50,6 +51,12 @@ struct Args {
     /// Longest diagnosis of one case, s.
     #[arg(long, default_value_t = 900)]
     limit_s: u64,
+    /// Starts no further case after so many minutes.
+    #[arg(long)]
+    minutes: Option<u64>,
+    /// Results in one file, one case a line: what it holds is not asked again, what is found goes into it.
+    #[arg(long)]
+    results: Option<PathBuf>,
     /// The document.
     #[arg(long, default_value = "docs/hidden.md")]
     doc: PathBuf,
@@ -74,133 +81,140 @@ fn main() -> ExitCode {
         .step_by(args.every.max(1))
         .filter(|s| args.only.is_empty() || args.only.contains(&s.name))
         .collect();
-    let mut good = true;
-    if matches!(args.what, What::Generate | What::All) {
-        good &= make(&args, &specs);
-    }
-    if matches!(args.what, What::Imitate | What::All) {
-        good &= measure(&args, &specs);
-    }
-    if matches!(args.what, What::Run | What::All) {
-        good &= diagnose(&args, &specs);
-    }
-    if matches!(args.what, What::LeaveOut | What::All) {
-        good &= leave_out(&args, &specs);
-    }
-    if matches!(args.what, What::Report | What::All) {
-        good &= document(&args, &specs);
-    }
+    let good = match &args.results {
+        None => study(&args, &specs),
+        Some(path) => {
+            let there = told(path, archive::unpack(path, &args.dir));
+            // Not over what could not be read.
+            there && study(&args, &specs) & told(path, archive::pack(&args.dir, path))
+        }
+    };
     if good { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-fn folder(args: &Args, spec: &Spec) -> PathBuf {
-    args.dir.join(&spec.name)
+fn told(path: &Path, done: Result<usize, GenerateError>) -> bool {
+    match &done {
+        Ok(cases) => eprintln!("{cases} cases in {}", path.display()),
+        Err(e) => eprintln!("{e}"),
+    }
+    done.is_ok()
 }
 
-fn make(args: &Args, specs: &[Spec]) -> bool {
-    let missing: Vec<&Spec> =
-        specs.iter().filter(|s| !folder(args, s).join("truth.json").is_file()).collect();
-    eprintln!("{} of {} cases to make", missing.len(), specs.len());
-    let failed = std::sync::atomic::AtomicBool::new(false);
-    run::each(&missing, args.jobs, |spec| {
-        let start = std::time::Instant::now();
-        match generate(spec, &Fineness::STUDY, &folder(args, spec)) {
-            Ok(t) => eprintln!(
-                "{} {:?} {:?} {:?}: rms/noise {}, beyond the base {:.1}, mesh {}, σc × {:.2}, {:.1} s",
-                t.name,
-                t.protocol,
-                t.effects,
-                t.strengths,
-                short(&t.effect_rms_over_noise),
-                t.what_no_base_parameter_imitates_over_noise,
-                short(&t.mesh_error_rms_over_noise),
-                t.tissue.shrunk,
-                start.elapsed().as_secs_f64()
-            ),
-            Err(e) => {
-                failed.store(true, std::sync::atomic::Ordering::Relaxed);
-                eprintln!("{} {:?}: {e}", spec.name, spec.hidden);
-            }
+/// Every case from its records to its answers, a few at a time; then the page.
+fn study(args: &Args, specs: &[Spec]) -> bool {
+    let (failed, begun) = (AtomicBool::new(false), Instant::now());
+    let late = || args.minutes.is_some_and(|m| begun.elapsed() > Duration::from_secs(60 * m));
+    run::each(&spread(specs), args.jobs, |spec| {
+        if !late() && !one(args, spec) {
+            failed.store(true, Ordering::Relaxed);
         }
     });
-    !failed.into_inner()
+    let documented = !matches!(args.what, What::Report | What::All) || document(args, specs);
+    documented && !failed.into_inner()
 }
 
-/// Folders of complete cases for which something is still to be done.
-fn open(args: &Args, specs: &[Spec], done: impl Fn(&Path) -> bool) -> Vec<PathBuf> {
-    let all = specs.iter().map(|s| folder(args, s));
-    all.filter(|f| f.join("truth.json").is_file() && !done(f)).collect()
+/// In an order that goes through all kinds of cases again and again: what is there when a study is stopped is a sample of it.
+fn spread(specs: &[Spec]) -> Vec<&Spec> {
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    let mut all: Vec<(f64, &Spec)> =
+        specs.iter().enumerate().map(|(i, s)| ((i as f64 * golden).fract(), s)).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    all.into_iter().map(|(_, s)| s).collect()
 }
 
-fn measure(args: &Args, specs: &[Spec]) -> bool {
-    let open = open(args, specs, |f| imitate::stored(f).is_some() || !imitate::worth(f));
-    eprintln!("{} cases to imitate", open.len());
-    let failed = std::sync::atomic::AtomicBool::new(false);
-    run::each(&open, args.jobs, |f| {
-        let start = std::time::Instant::now();
-        match imitate::measure(f) {
-            Ok(left) => {
-                for (effect, l) in &left {
-                    let moved = l
-                        .moved
-                        .as_ref()
-                        .map_or(String::new(), |(p, by)| format!(", {p} {:+.0} %", 100.0 * by));
-                    let seconds = start.elapsed().as_secs_f64();
-                    eprintln!(
-                        "{} {effect}: {:.1} → {:.1}{moved} ({}, {seconds:.0} s)",
-                        name(f),
-                        l.before,
-                        l.after,
-                        l.stop
-                    );
-                }
-            }
-            Err(e) => {
-                failed.store(true, std::sync::atomic::Ordering::Relaxed);
-                eprintln!("{}: {e}", name(f));
-            }
+/// What is asked for and not there yet of one case.
+fn one(args: &Args, spec: &Spec) -> bool {
+    let folder = args.dir.join(&spec.name);
+    let wanted = |what: What| args.what == what || args.what == What::All;
+    let there = || folder.join("truth.json").is_file();
+    let mut good = true;
+    if wanted(What::Generate) && !there() {
+        good &= make(spec, &folder);
+    }
+    if wanted(What::Imitate) && there() && imitate::stored(&folder).is_none() && imitate::worth(&folder) {
+        good &= measure(&folder);
+    }
+    if wanted(What::Run) && there() && run::stored(&folder, Drawn::All).is_none() {
+        good &= ask(args, &folder, Drawn::All);
+    }
+    let visible = || run::stored(&folder, Drawn::All).is_some_and(|o| o.is_visible_single());
+    if wanted(What::LeaveOut) && run::stored(&folder, Drawn::LeftOut).is_none() && visible() {
+        good &= ask(args, &folder, Drawn::LeftOut);
+    }
+    good
+}
+
+fn make(spec: &Spec, folder: &Path) -> bool {
+    let start = Instant::now();
+    match generate(spec, &Fineness::STUDY, folder) {
+        Ok(t) => eprintln!(
+            "{} {:?} {:?} {:?}: rms/noise {}, beyond the base {:.1}, mesh {}, σc × {:.2}, {:.1} s",
+            t.name,
+            t.protocol,
+            t.effects,
+            t.strengths,
+            short(&t.effect_rms_over_noise),
+            t.what_no_base_parameter_imitates_over_noise,
+            short(&t.mesh_error_rms_over_noise),
+            t.tissue.shrunk,
+            start.elapsed().as_secs_f64()
+        ),
+        Err(e) => {
+            eprintln!("{} {:?}: {e}", spec.name, spec.hidden);
+            return false;
         }
-    });
-    !failed.into_inner()
-}
-
-fn diagnose(args: &Args, specs: &[Spec]) -> bool {
-    let open = open(args, specs, |f| run::stored(f, Drawn::All).is_some());
-    eprintln!("{} cases to diagnose", open.len());
-    ask(args, &open, Drawn::All);
+    }
     true
 }
 
-fn leave_out(args: &Args, specs: &[Spec]) -> bool {
-    let worth = |f: &Path| run::stored(f, Drawn::All).is_some_and(|o| o.is_visible_single());
-    let open = open(args, specs, |f| run::stored(f, Drawn::LeftOut).is_some() || !worth(f));
-    eprintln!("{} cases to diagnose without their effect", open.len());
-    ask(args, &open, Drawn::LeftOut);
+fn measure(folder: &Path) -> bool {
+    let start = Instant::now();
+    let left = match imitate::measure(folder) {
+        Ok(left) => left,
+        Err(e) => {
+            eprintln!("{}: {e}", name(folder));
+            return false;
+        }
+    };
+    for (effect, l) in &left {
+        let moved = l.moved.as_ref().map_or(String::new(), |(p, by)| format!(", {p} {:+.0} %", 100.0 * by));
+        let seconds = start.elapsed().as_secs_f64();
+        eprintln!(
+            "{} {effect}: {:.1} → {:.1}{moved} ({}, {seconds:.0} s)",
+            name(folder),
+            l.before,
+            l.after,
+            l.stop
+        );
+    }
     true
 }
 
-fn ask(args: &Args, open: &[PathBuf], drawn: Drawn) {
-    run::each(open, args.jobs, |f| {
-        let say = |s: &str| {
-            if args.verbose {
-                eprintln!("  {}: {s}", name(f));
-            }
-        };
-        match run::run_case(f, drawn, Duration::from_secs(args.limit_s), &say) {
-            Ok(o) => eprintln!(
-                "{} {:?} signal {:.1} → {} {:?} {:?} ({:?}, {:.0} s)",
-                o.truth.name,
-                o.truth.effects,
-                o.truth.what_no_base_parameter_imitates_over_noise,
-                o.verdict,
-                o.groups,
-                o.grade(),
-                o.end,
-                o.seconds
-            ),
-            Err(e) => eprintln!("{}: {e}", name(f)),
+fn ask(args: &Args, folder: &Path, drawn: Drawn) -> bool {
+    let say = |s: &str| {
+        if args.verbose {
+            eprintln!("  {}: {s}", name(folder));
         }
-    });
+    };
+    let without = if drawn == Drawn::LeftOut { ", left out" } else { "" };
+    match run::run_case(folder, drawn, Duration::from_secs(args.limit_s), &say) {
+        Ok(o) => eprintln!(
+            "{} {:?}{without} signal {:.1} → {} {:?} {:?} ({:?}, {:.0} s)",
+            o.truth.name,
+            o.truth.effects,
+            o.truth.what_no_base_parameter_imitates_over_noise,
+            o.verdict,
+            o.groups,
+            o.grade(),
+            o.end,
+            o.seconds
+        ),
+        Err(e) => {
+            eprintln!("{}: {e}", name(folder));
+            return false;
+        }
+    }
+    true
 }
 
 fn short(by_test: &BTreeMap<String, f64>) -> String {
@@ -213,7 +227,7 @@ fn name(folder: &Path) -> String {
 
 fn document(args: &Args, specs: &[Spec]) -> bool {
     let stored = |drawn: Drawn| -> Vec<_> {
-        specs.iter().filter_map(|s| run::stored(&folder(args, s), drawn)).collect()
+        specs.iter().filter_map(|s| run::stored(&args.dir.join(&s.name), drawn)).collect()
     };
     let outcomes = stored(Drawn::All);
     let beside = args.beside.as_ref().map(|dir| Beside::new(&args.beside_name, &outcomes, dir));
