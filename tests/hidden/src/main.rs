@@ -225,6 +225,12 @@ fn name(folder: &Path) -> String {
     folder.file_name().map_or(String::new(), |n| n.to_string_lossy().into_owned())
 }
 
+/// What makes and answers these cases, and goes on where they stop.
+fn command(args: &Args) -> String {
+    let results = args.results.as_ref().map_or(String::new(), |r| format!(" --results {}", r.display()));
+    format!("-- all --seed {} --every {} --limit-s {}{results}", args.seed, args.every, args.limit_s)
+}
+
 fn document(args: &Args, specs: &[Spec]) -> bool {
     let stored = |drawn: Drawn| -> Vec<_> {
         specs.iter().filter_map(|s| run::stored(&args.dir.join(&s.name), drawn)).collect()
@@ -232,7 +238,7 @@ fn document(args: &Args, specs: &[Spec]) -> bool {
     let outcomes = stored(Drawn::All);
     let beside = args.beside.as_ref().map(|dir| Beside::new(&args.beside_name, &outcomes, dir));
     let study = Study {
-        command: format!("-- all --seed {} --every {} --limit-s {}", args.seed, args.every, args.limit_s),
+        command: command(args),
         commit: args.commit.clone(),
         planned: specs.len(),
         left_out: stored(Drawn::LeftOut),
