@@ -8,8 +8,9 @@ import subprocess
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+BUILT = pathlib.Path(os.environ.get("CARGO_TARGET_DIR") or ROOT / "target")
 FCT = os.environ.get("FCT") or next(
-    (str(p) for p in (ROOT / "target/debug/fct", ROOT / "target/release/fct") if p.is_file()), "fct"
+    (str(p) for p in (BUILT / "debug/fct", BUILT / "release/fct") if p.is_file()), "fct"
 )
 
 STRIP = """name = "strip"
