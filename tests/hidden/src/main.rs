@@ -4,7 +4,7 @@ use clap::{Parser, ValueEnum};
 use hidden_suite::forward::Fineness;
 use hidden_suite::report::{Beside, Study};
 use hidden_suite::run::Drawn;
-use hidden_suite::spec::{Spec, suite};
+use hidden_suite::spec::{Spec, spread, suite};
 use hidden_suite::{GenerateError, archive, generate::generate, imitate, report, run};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -111,15 +111,6 @@ fn study(args: &Args, specs: &[Spec]) -> bool {
     });
     let documented = !matches!(args.what, What::Report | What::All) || document(args, specs);
     documented && !failed.into_inner()
-}
-
-/// In an order that goes through all kinds of cases again and again: what is there when a study is stopped is a sample of it.
-fn spread(specs: &[Spec]) -> Vec<&Spec> {
-    let golden = 0.5 * (5f64.sqrt() - 1.0);
-    let mut all: Vec<(f64, &Spec)> =
-        specs.iter().enumerate().map(|(i, s)| ((i as f64 * golden).fract(), s)).collect();
-    all.sort_by(|a, b| a.0.total_cmp(&b.0));
-    all.into_iter().map(|(_, s)| s).collect()
 }
 
 /// What is asked for and not there yet of one case.

@@ -119,6 +119,16 @@ pub fn suite(catalogue: &Catalogue, first_seed: u64) -> Vec<Spec> {
         .collect()
 }
 
+/// In an order that goes through the suite again and again, in steps of its golden section: what is there when a study is stopped is a
+/// sample of it.
+pub fn spread(specs: &[Spec]) -> Vec<&Spec> {
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    let mut all: Vec<(f64, &Spec)> =
+        specs.iter().enumerate().map(|(i, s)| ((i as f64 * golden).fract(), s)).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    all.into_iter().map(|(_, s)| s).collect()
+}
+
 impl Hidden {
     /// In words, for tables.
     pub fn words(&self) -> Vec<String> {
@@ -127,6 +137,36 @@ impl Hidden {
             Self::Effects(list) => list.iter().map(|e| e.0.clone()).collect(),
             Self::Outside(o, _) => vec![o.word().to_owned()],
             Self::Foreign(f, _) => vec![f.word().to_owned()],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whenever it is stopped, every kind and each protocol has about its share of what was asked.
+    #[test]
+    fn a_study_that_is_stopped_is_a_sample() {
+        let all = suite(&effects::catalogue(), 1);
+        let order = spread(&all);
+        let mut names: Vec<&str> = order.iter().map(|s| s.name.as_str()).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), all.len());
+        let rich = |s: &&Spec| s.protocol == Protocol::Rich;
+        let single = |s: &&Spec| matches!(&s.hidden, Hidden::Effects(e) if e.len() == 1);
+        let outside = |s: &&Spec| matches!(s.hidden, Hidden::Outside(..));
+        let foreign = |s: &&Spec| matches!(s.hidden, Hidden::Foreign(..));
+        for some in [24, 46, 92, 180] {
+            for kind in [&rich as &dyn Fn(&&Spec) -> bool, &single, &outside, &foreign] {
+                let share = |n: usize, there: usize| there as f64 / n as f64;
+                let (here, of_all) = (
+                    share(some, order[..some].iter().copied().filter(|s| kind(s)).count()),
+                    share(all.len(), all.iter().filter(kind).count()),
+                );
+                assert!((here - of_all).abs() < 0.08, "of {some} {here}, of all {of_all}");
+            }
         }
     }
 }
