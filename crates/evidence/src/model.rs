@@ -269,3 +269,6 @@ pub fn at_the_mode<E: From<EvidenceError>>(
     let stands = evidence.moved <= within;
     Ok((evidence, stands))
 }
+
+#[cfg(test)]
+mod tests;

@@ -138,8 +138,13 @@ mod tests {
         put("case-002", "result.json", json!({}));
         std::fs::remove_dir_all(from.join("case-001")).expect("removed");
         assert_eq!(pack(&from, &path).expect("packed"), 2);
-        std::fs::write(&path, "{}\n").expect("a file");
+        // What a folder found itself stays.
+        std::fs::write(to.join("case-001/result.json"), "{}").expect("a file");
+        assert_eq!(unpack(&path, &to).expect("unpacked"), 2);
+        assert_eq!(back("case-001", "result.json"), Some(json!({})));
+        let text = std::fs::read_to_string(&path).expect("an archive");
+        std::fs::write(&path, text + "{}\n").expect("a file");
         let said = unpack(&path, &to).expect_err("no line of an archive").to_string();
-        assert!(said.contains("line 1"), "{said}");
+        assert!(said.contains("1.jsonl, line 3"), "{said}");
     }
 }
