@@ -63,7 +63,7 @@ hidden-sample:
 # The study on seed 98000, on which nothing was chosen, for so many minutes; its results are kept in tests/hidden/results, so that it
 # goes on from there on any machine. The page goes beside the cases.
 hidden-fresh MINUTES="150":
-    cargo run --release -p hidden-suite -- all --seed 98000 --limit-s 5000 --dir runs/hidden-98000 --results tests/hidden/results/98000.jsonl --minutes {{MINUTES}} --doc runs/hidden-98000/page.md
+    cargo run --release -p hidden-suite -- all --seed 98000 --limit-s 5000 --dir runs/hidden-98000 --results tests/hidden/results/98000.jsonl --commit "$(git rev-parse --short HEAD)" --minutes {{MINUTES}} --doc runs/hidden-98000/page.md
 
 # Every eleventh case of it, both protocols and all strengths among them; the report goes beside the cases.
 hidden-quick:

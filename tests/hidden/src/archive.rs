@@ -1,15 +1,17 @@
 //! Results of a study in one file, one case a line: a study that takes days goes on from them on another machine, and its page is made
 //! from them alone. The records are not in it: they follow from the seed.
 
-use crate::GenerateError;
+use crate::run::Drawn;
+use crate::{GenerateError, imitate};
 use serde::{Deserialize, Serialize};
 use serde_json::{Number, Value};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// What a folder of a case holds besides its records. The last one is there where an answer is.
-const FILES: [&str; 4] = ["truth.json", "imitated.json", "left-out.json", "result.json"];
+/// What a folder of a case holds besides its records.
+const FILES: [&str; 4] = ["truth.json", imitate::FILE, Drawn::LeftOut.file(), ANSWER];
+const ANSWER: &str = Drawn::All.file();
 
 /// Significant digits of a number in the archive: more than a page shows.
 const DIGITS: usize = 6;
@@ -17,6 +19,8 @@ const DIGITS: usize = 6;
 #[derive(Serialize, Deserialize)]
 struct Line {
     case: String,
+    /// Commit of the program that answered.
+    program: Option<String>,
     files: BTreeMap<String, Value>,
 }
 
@@ -35,14 +39,14 @@ fn read(path: &Path) -> Result<BTreeMap<String, Line>, GenerateError> {
     text.lines().enumerate().map(line).collect()
 }
 
-/// Writes the results of answered cases under `dir` to `path`, beside those that are there.
+/// Writes the results of answered cases under `dir` to `path`, beside those that are there; what is new is by `program`.
 ///
 /// # Errors
 /// When a file cannot be read or written, or is no JSON.
-pub fn pack(dir: &Path, path: &Path) -> Result<usize, GenerateError> {
+pub fn pack(dir: &Path, path: &Path, program: Option<&str>) -> Result<usize, GenerateError> {
     let mut lines = read(path)?;
     for folder in crate::run::folders(dir)? {
-        if !folder.join(FILES[3]).is_file() {
+        if !folder.join(ANSWER).is_file() {
             continue;
         }
         let mut files = BTreeMap::new();
@@ -55,7 +59,9 @@ pub fn pack(dir: &Path, path: &Path) -> Result<usize, GenerateError> {
             files.insert(file.to_owned(), value);
         }
         let case = folder.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-        lines.insert(case.clone(), Line { case, files });
+        if lines.get(&case).is_none_or(|there| there.files != files) {
+            lines.insert(case.clone(), Line { case, program: program.map(str::to_owned), files });
+        }
     }
     let fault = |e: &dyn std::fmt::Display| GenerateError::file(&path.display().to_string(), e);
     let mut text = String::new();
@@ -71,6 +77,14 @@ pub fn pack(dir: &Path, path: &Path) -> Result<usize, GenerateError> {
     Ok(lines.len())
 }
 
+/// The programs that gave the answers of `path`.
+///
+/// # Errors
+/// As [`pack`].
+pub fn programs(path: &Path) -> Result<BTreeSet<String>, GenerateError> {
+    Ok(read(path)?.into_values().filter_map(|l| l.program).collect())
+}
+
 /// Puts the results of `path` into folders of cases under `dir`, where there are none.
 ///
 /// # Errors
@@ -79,7 +93,7 @@ pub fn unpack(path: &Path, dir: &Path) -> Result<usize, GenerateError> {
     let lines = read(path)?;
     for line in lines.values() {
         let folder = dir.join(&line.case);
-        if folder.join(FILES[3]).is_file() {
+        if folder.join(ANSWER).is_file() {
             continue;
         }
         let fault = |e: &dyn std::fmt::Display| GenerateError::file(&folder.display().to_string(), e);
@@ -127,7 +141,7 @@ mod tests {
         put("case-001", "truth.json", json!({"seed": 31_000, "gc": [0.123_456_789, 2.0]}));
         put("case-001", "result.json", json!({"verdict": "explained", "none": null}));
         put("case-002", "truth.json", json!({}));
-        assert_eq!(pack(&from, &path).expect("packed"), 1);
+        assert_eq!(pack(&from, &path, Some("one")).expect("packed"), 1);
         assert_eq!(unpack(&path, &to).expect("unpacked"), 1);
         let back = |case: &str, file: &str| -> Option<Value> {
             serde_json::from_str(&std::fs::read_to_string(to.join(case).join(file)).ok()?).ok()
@@ -137,7 +151,9 @@ mod tests {
         assert_eq!(back("case-002", "truth.json"), None);
         put("case-002", "result.json", json!({}));
         std::fs::remove_dir_all(from.join("case-001")).expect("removed");
-        assert_eq!(pack(&from, &path).expect("packed"), 2);
+        assert_eq!(pack(&from, &path, Some("two")).expect("packed"), 2);
+        assert_eq!(pack(&to, &path, Some("three")).expect("packed"), 2);
+        assert_eq!(programs(&path).expect("programs"), BTreeSet::from(["one".into(), "two".into()]));
         // What a folder found itself stays.
         std::fs::write(to.join("case-001/result.json"), "{}").expect("a file");
         assert_eq!(unpack(&path, &to).expect("unpacked"), 2);

@@ -17,7 +17,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// File name of the measure.
-const FILE: &str = "imitated.json";
+pub(crate) const FILE: &str = "imitated.json";
 
 /// Relative fall of χ² that ends the imitation.
 const TOLERANCE: f64 = 1e-4;

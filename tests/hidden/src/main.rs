@@ -66,7 +66,7 @@ struct Args {
     /// What the page calls that program.
     #[arg(long, default_value = "beside")]
     beside_name: String,
-    /// Commit of the program that answered, for the page.
+    /// Commit of the program that answers, for the page and the results.
     #[arg(long)]
     commit: Option<String>,
     /// Print every step of the search.
@@ -86,7 +86,7 @@ fn main() -> ExitCode {
         Some(path) => {
             let there = told(path, archive::unpack(path, &args.dir));
             // Not over what could not be read.
-            there && study(&args, &specs) & told(path, archive::pack(&args.dir, path))
+            there && study(&args, &specs) & told(path, archive::pack(&args.dir, path, args.commit.as_deref()))
         }
     };
     if good { ExitCode::SUCCESS } else { ExitCode::FAILURE }
@@ -222,6 +222,13 @@ fn command(args: &Args) -> String {
     format!("-- all --seed {} --every {} --limit-s {}{results}", args.seed, args.every, args.limit_s)
 }
 
+/// The commits that answered, as far as they are known.
+fn programs(args: &Args) -> Option<String> {
+    let mut all = args.results.as_ref().and_then(|r| archive::programs(r).ok()).unwrap_or_default();
+    all.extend(args.commit.clone());
+    (!all.is_empty()).then(|| all.into_iter().collect::<Vec<_>>().join(" and "))
+}
+
 fn document(args: &Args, specs: &[Spec]) -> bool {
     let stored = |drawn: Drawn| -> Vec<_> {
         specs.iter().filter_map(|s| run::stored(&args.dir.join(&s.name), drawn)).collect()
@@ -230,7 +237,7 @@ fn document(args: &Args, specs: &[Spec]) -> bool {
     let beside = args.beside.as_ref().map(|dir| Beside::new(&args.beside_name, &outcomes, dir));
     let study = Study {
         command: command(args),
-        commit: args.commit.clone(),
+        commit: programs(args),
         planned: specs.len(),
         left_out: stored(Drawn::LeftOut),
     };

@@ -24,7 +24,7 @@ pub enum Drawn {
 
 impl Drawn {
     /// File name of a result.
-    const fn file(self) -> &'static str {
+    pub(crate) const fn file(self) -> &'static str {
         match self {
             Self::All => "result.json",
             Self::LeftOut => "left-out.json",
