@@ -81,13 +81,15 @@ fn main() -> ExitCode {
         .step_by(args.every.max(1))
         .filter(|s| args.only.is_empty() || args.only.contains(&s.name))
         .collect();
-    let good = match &args.results {
-        None => study(&args, &specs),
-        Some(path) => {
-            let there = told(path, archive::unpack(path, &args.dir));
-            // Not over what could not be read.
-            there && study(&args, &specs) & told(path, archive::pack(&args.dir, path, args.commit.as_deref()))
-        }
+    let results = args.results.as_ref();
+    let ready = results.is_none_or(|path| told(path, archive::unpack(path, &args.dir)));
+    // Not over what could not be read.
+    let good = ready && {
+        let answered = study(&args, &specs);
+        let program = args.commit.as_deref();
+        let kept = results.is_none_or(|path| told(path, archive::pack(&args.dir, path, program)));
+        let wanted = matches!(args.what, What::Report | What::All);
+        answered & kept & (!wanted || document(&args, &specs))
     };
     if good { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
@@ -100,7 +102,7 @@ fn told(path: &Path, done: Result<usize, GenerateError>) -> bool {
     done.is_ok()
 }
 
-/// Every case from its records to its answers, a few at a time; then the page.
+/// Every case from its records to its answers, a few at a time.
 fn study(args: &Args, specs: &[Spec]) -> bool {
     let (failed, begun) = (AtomicBool::new(false), Instant::now());
     let late = || args.minutes.is_some_and(|m| begun.elapsed() > Duration::from_secs(60 * m));
@@ -109,8 +111,7 @@ fn study(args: &Args, specs: &[Spec]) -> bool {
             failed.store(true, Ordering::Relaxed);
         }
     });
-    let documented = !matches!(args.what, What::Report | What::All) || document(args, specs);
-    documented && !failed.into_inner()
+    !failed.into_inner()
 }
 
 /// What is asked for and not there yet of one case.
@@ -224,9 +225,9 @@ fn command(args: &Args) -> String {
 
 /// The commits that answered, as far as they are known.
 fn programs(args: &Args) -> Option<String> {
-    let mut all = args.results.as_ref().and_then(|r| archive::programs(r).ok()).unwrap_or_default();
-    all.extend(args.commit.clone());
-    (!all.is_empty()).then(|| all.into_iter().collect::<Vec<_>>().join(" and "))
+    let Some(path) = &args.results else { return args.commit.clone() };
+    let all: Vec<String> = archive::programs(path).ok()?.into_iter().collect();
+    (!all.is_empty()).then(|| all.join(" and "))
 }
 
 fn document(args: &Args, specs: &[Spec]) -> bool {
