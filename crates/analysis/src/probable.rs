@@ -1,6 +1,7 @@
 //! How probable is each set of effects, and how much is left: the rungs of a search put to `evidence`, and sets that were not
 //! fitted by the columns of the screens.
 
+use crate::data::Measured;
 use crate::ladder::{FeLadder, Fitted};
 use crate::weigh::{AtFit, Beliefs, Gain, Known, Scale};
 use diagnose::Candidate;
@@ -116,9 +117,8 @@ pub(crate) fn probable(ladder: &FeLadder) -> Result<Probable, EvidenceError> {
 pub(crate) fn probable_with_models(
     ladder: &FeLadder,
 ) -> Result<(Probable, Posterior, Vec<Judged>), EvidenceError> {
-    let base = ladder.fitted_models.get(&Vec::new()).ok_or(EvidenceError::Empty)?;
     let beliefs = Beliefs::of(ladder.case(), ladder.catalogue());
-    let measured = ladder.measured.as_estimated(&base.model).unwrap_or_else(|_| ladder.measured.clone());
+    let measured = measured(ladder)?;
     let scale =
         Scale::new(&measured, ladder.fitted_models.values().map(AtFit::from), ladder.catalogue(), &beliefs)?;
     let fitted_models: Vec<(&Vec<String>, AtFit)> =
@@ -134,6 +134,29 @@ pub(crate) fn probable_with_models(
         .ok_or(EvidenceError::Empty)?;
     let left = left(&scale, &mut known, &leader.effects)?;
     Ok((Probable { posterior: posterior.clone().into(), left }, posterior, models))
+}
+
+/// To what a fitted set explains the records; `None` where it is not fitted, or no effect is in it.
+///
+/// # Errors
+/// As [`probable`].
+pub(crate) fn explained_by(
+    ladder: &FeLadder,
+    effects: &[String],
+) -> Result<Option<ExplainedTo>, EvidenceError> {
+    let key = FeLadder::key(effects);
+    let Some(fitted) = ladder.fitted_models.get(&key).filter(|_| !key.is_empty()) else { return Ok(None) };
+    let beliefs = Beliefs::of(ladder.case(), ladder.catalogue());
+    let measured = measured(ladder)?;
+    let all = ladder.fitted_models.values().map(AtFit::from);
+    let scale = Scale::new(&measured, all, ladder.catalogue(), &beliefs)?;
+    Ok(Some(scale.left(&scale.linear(fitted.into())?)?.explained_to))
+}
+
+/// The records with the noise that the base model's fit shows.
+fn measured(ladder: &FeLadder) -> Result<Measured, EvidenceError> {
+    let base = ladder.fitted_models.get(&Vec::new()).ok_or(EvidenceError::Empty)?;
+    Ok(ladder.measured.as_estimated(&base.model).unwrap_or_else(|_| ladder.measured.clone()))
 }
 
 /// What a weighed model leaves.
@@ -191,4 +214,27 @@ fn beside(
         }
     }
     Ok(best.into_values().collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ladder::tests::unexplained;
+
+    /// Of the sets that were fitted it is said what each leaves, not what the leading one does.
+    #[test]
+    fn records_are_explained_by_what_is_named() {
+        let catalogue = effects::catalogue();
+        let mut ladder = unexplained(&catalogue);
+        let [compliance, drift] = ["compliance", "drift"].map(|e| vec![e.to_owned()]);
+        ladder.fit_sets(std::slice::from_ref(&compliance)).expect("a fit");
+        let explained = |ladder: &FeLadder, set: &[String]| explained_by(ladder, set).expect("a size");
+        assert_eq!(explained(&ladder, &compliance), Some(ExplainedTo::Not));
+        assert_eq!((explained(&ladder, &[]), explained(&ladder, &drift)), (None, None));
+        // As if it had met every point.
+        let measured = ladder.measured.data.measured();
+        let fit = &mut ladder.fitted_models.get_mut(&compliance).expect("a fit").fit;
+        fit.prediction.values = measured;
+        assert_ne!(explained(&ladder, &compliance), Some(ExplainedTo::Not));
+    }
 }

@@ -38,7 +38,10 @@ fn verdict(d: &Discovery, p: &PosteriorAnswer, laws: &[String]) -> String {
     let names: Vec<String> = d.groups.iter().map(|g| joined(g, "or")).collect();
     let text = match d.verdict {
         Verdict::NothingMissing => {
-            format!("No effect is called for: that nothing is missing has a probability of {}.", percent(p.nothing))
+            format!(
+                "No effect is called for: that nothing is missing has a probability of {}.",
+                percent(p.nothing)
+            )
         }
         Verdict::Explained => format!("Missing: {}. With it {fall}.", joined(&d.found, "and")),
         Verdict::Ambiguous if d.groups.is_empty() => {
@@ -50,13 +53,18 @@ fn verdict(d: &Discovery, p: &PosteriorAnswer, laws: &[String]) -> String {
             names.join(", and "),
             joined(&d.found, "and")
         ),
-        Verdict::Unexplained if d.found.is_empty() => {
-            "Something is missing that the catalogue does not hold, and no effect is probable enough to be named.".into()
+        Verdict::Unexplained => {
+            // Where a cause from outside is no more probable than none, it is not said to act.
+            let more = if p.something_else > 0.5 {
+                "something is missing that the catalogue does not hold"
+            } else {
+                "more is left than a complete model of such a test leaves"
+            };
+            match names.as_slice() {
+                [] => format!("No effect is probable enough to be named, and {more}."),
+                names => format!("With {} {fall}, but {more}.", names.join(" and ")),
+            }
         }
-        Verdict::Unexplained => format!(
-            "With {} {fall}, but something is missing that the catalogue does not hold.",
-            names.join(" and ")
-        ),
     };
     if d.interrupted { format!("{text} The search was stopped before its end.") } else { text }
 }
@@ -159,5 +167,26 @@ mod tests {
             said,
             "No effect is named: these records cannot tell whether compliance is missing, or nothing."
         );
+    }
+
+    /// A cause from outside is said to act only where it is more probable than none.
+    #[test]
+    fn what_is_left_is_not_told_as_a_cause_from_outside() {
+        let names = [vec![], vec!["bridging".to_owned()]];
+        let said = |other: f64| {
+            let models = [(-30.0, -30.0), (0.0, other)].into_iter().zip(&names);
+            let models: Vec<Judged> =
+                models.map(|((own, other), e)| Judged::from_numbers(e, own, other)).collect();
+            let posterior = Posterior::of(&models, &SetPrior::of_catalogue(20));
+            let found = Discovery {
+                found: names[1].clone(),
+                groups: vec![names[1].clone()],
+                verdict: Verdict::Unexplained,
+                ..undecided(&[])
+            };
+            verdict(&found, &posterior.into(), &[])
+        };
+        assert!(said(-9.0).ends_with("but more is left than a complete model of such a test leaves."));
+        assert!(said(9.0).ends_with("but something is missing that the catalogue does not hold."));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{FeLadder, Fitted};
 use crate::identify::AnalysisError;
-use crate::probable::Probable;
+use crate::probable::{Probable, explained_by};
 use diagnose::{Discovery, FittedModel, Hints, Policy, Verdict};
 use evidence::{Decision, Posterior, decide};
 
@@ -23,6 +23,10 @@ impl FeLadder<'_> {
         let (probable, posterior) = self.weigh_catalogue()?;
         let decision = decide(&posterior, probable.left.explained_to);
         let steps = self.steps_to(&decision)?;
+        // The records are explained by what is named, not by what leads and is too uncertain to be named.
+        let named = explained_by(self, &decision.found)
+            .map_err(|e| AnalysisError::Case(format!("no size of what is left: {e}")))?;
+        let decision = decide(&posterior, named.unwrap_or(probable.left.explained_to));
         Ok(self.answered(decision, steps, probable))
     }
 

@@ -19,7 +19,7 @@ pub(super) fn unheard(catalogue: &Catalogue) -> LadderSettings<'_> {
 }
 
 /// The base model's fit to a tear whose unloading follows a curve of its own, which no base model explains.
-pub(super) fn unexplained(catalogue: &Catalogue) -> FeLadder<'_> {
+pub(crate) fn unexplained(catalogue: &Catalogue) -> FeLadder<'_> {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let mut rows = String::from("time_s,displacement_mm,force_N\n");

@@ -131,7 +131,35 @@ fn discover_names_what_is_hidden() -> Tested {
     let page = fs::read_to_string(here.join("search/report.html"))?;
     assert!(page.contains("drift") && page.contains("Is the model good enough?"));
     assert!(!page.contains("This leaves out"));
+    practice_on_the_page(here)?;
     undecided_on_the_page(here)
+}
+
+/// The same run as if the misfit with drift were many times noise and mesh's error: what the page says of it follows from how much is
+/// left, and whether that is more than a complete model leaves.
+fn practice_on_the_page(here: &Path) -> Tested {
+    let said = |found: &str, something_else: f64| -> Result<String, Box<dyn std::error::Error>> {
+        rewritten(&here.join("search"), "summary.json", |answer| {
+            answer["verdict"] = found.into();
+            answer["posterior"]["something_else"] = something_else.into();
+        })?;
+        let out = fct(here, &["report", "search"])?;
+        assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+        Ok(fs::read_to_string(here.join("search/report.html"))?)
+    };
+    rewritten(&here.join("search/rungs/1"), "summary.json", |rung| {
+        rung["explained"] = false.into();
+        rung["reduced_chi2"] = 14.0.into();
+        rung["rest"]["share_of_peak"] = 0.018.into();
+    })?;
+    let practice = said("explained", 0.1)?;
+    assert!(practice.contains("1.8 % of the peak force, as in a complete model of such a test"));
+    assert!(!practice.contains("what is left is noise") && !practice.contains("error of the mesh"));
+    let more = said("unexplained", 0.1)?;
+    assert!(more.contains("; more is left than a complete model leaves"));
+    let other = said("unexplained", 0.9)?;
+    assert!(other.contains(", and something that the catalogue does not hold"));
+    Ok(())
 }
 
 /// The same run as if drift led without being probable enough to be named, and an end of a record had been left out: the page

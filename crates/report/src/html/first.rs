@@ -1,6 +1,6 @@
 //! The top of the page: one plain sentence, what was identified, the main curve.
 
-use super::answer::{explained, mean_off, verdict};
+use super::answer::{explained, mean_off, practice, something_else, verdict};
 use super::place::places;
 use super::view::{FittedModel, View};
 use super::{chart, escape, per_model};
@@ -69,15 +69,22 @@ pub fn cause(v: &View) -> (bool, String) {
             let by = added.map_or_else(String::new, |m| format!(" with {m}"));
             format!("The model explains the records{by}, as far as the mesh's own error lets anyone see.")
         }
-        (true, _) => match added {
-            Some(m) => format!("The model explains the records with {m}: what is left is noise."),
-            None => "The model explains the records: what is left is noise.".to_owned(),
-        },
+        (true, _) => {
+            let by = added.map_or_else(String::new, |m| format!(" with {m}"));
+            let left = practice(v).map_or_else(
+                || "noise".to_owned(),
+                |share| format!("{share:.1} % of the peak force, as in a complete model of such a test"),
+            );
+            format!("The model explains the records{by}: what is left is {left}.")
+        }
         (false, "unexplained") if searched && named.is_empty() => {
             "No effect of the catalogue explains the records.".to_owned()
         }
-        (false, "unexplained") if searched => {
+        (false, "unexplained") if searched && something_else(v) => {
             format!("Missing: {named}, and something that the catalogue does not hold.")
+        }
+        (false, "unexplained") if searched => {
+            format!("Missing: {named}; more is left than a complete model leaves.")
         }
         (false, _) => {
             let place = places(v).into_iter().next();

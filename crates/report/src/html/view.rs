@@ -79,10 +79,10 @@ impl FittedModel {
         self.number("reduced_chi2_total").unwrap_or(self.answer.reduced_chi2_total)
     }
 
-    /// Reduced χ² with the record's noise alone, where it is large: the mesh's error hides what is left.
+    /// Reduced χ² with the record's noise alone, where it is large and with the mesh's error is not: that hides what is left.
     pub fn explained_with_mesh_error(&self) -> Option<f64> {
         let chi2 = self.number("reduced_chi2").unwrap_or(self.answer.reduced_chi2);
-        (chi2 > diagnose::MESH_ERROR_ONLY).then_some(chi2)
+        (chi2 > diagnose::MESH_ERROR_ONLY && self.answer.explained).then_some(chi2)
     }
 
     /// Reduced χ² of the curves and tables shown, where the search judged its own, corrected, run otherwise by more than

@@ -1,6 +1,6 @@
 //! What is missing: names, groups, how much of each.
 
-use super::{Card, PLACES, called, explained, is_screen, run, verdict, words};
+use super::{Card, PLACES, called, explained, is_screen, run, something_else, verdict, words};
 use crate::answer::ParameterAnswer;
 use crate::html::probable::bars;
 use crate::html::view::View;
@@ -38,7 +38,10 @@ pub(super) fn card(v: &View) -> Card {
             format!("The screen points to {}", escape(&groups(d).join(", and ")))
         }
         "ambiguous" if found.is_empty() => "These records cannot tell".to_owned(),
-        "unexplained" if found.is_empty() => "Something the catalogue does not hold".to_owned(),
+        "unexplained" if found.is_empty() && something_else(v) => {
+            "Something the catalogue does not hold".to_owned()
+        }
+        "unexplained" if found.is_empty() => "No effect that could be named".to_owned(),
         "unexplained" => format!("More than {}", escape(&groups(d).join(", and "))),
         _ => escape(&groups(d).join(", and ")),
     };

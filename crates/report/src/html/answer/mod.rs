@@ -70,6 +70,19 @@ pub fn mean_off(v: &View) -> Option<f64> {
     v.current().and_then(FittedModel::explained_with_mesh_error)
 }
 
+/// What is left beyond noise, share of the peak in percent, where that is not explained by noise and mesh but no more than a complete
+/// model leaves.
+pub fn practice(v: &View) -> Option<f64> {
+    let shown = v.current().filter(|r| explained(v) && !r.answer.explained)?;
+    shown.answer.left.as_ref().map(|left| 100.0 * left.rest.all.share_of_peak)
+}
+
+/// Whether a cause outside the catalogue is more probable than none.
+pub fn something_else(v: &View) -> bool {
+    let posterior = v.diagnosis.as_ref().and_then(|d| d.get("posterior"));
+    posterior.and_then(|p| p.get("something_else")?.as_f64()).is_none_or(|p| p > 0.5)
+}
+
 fn run(v: &View) -> String {
     quoted_path(&v.run.path)
 }

@@ -1,9 +1,9 @@
 //! Whether the model is good enough, and where it is off.
 
-use super::{Card, PLACES, explained, words};
+use super::{Card, PLACES, explained, mean_off, practice, words};
 use crate::html::escape;
 use crate::html::place::{cameras, described, places};
-use crate::html::view::{FittedModel, View};
+use crate::html::view::View;
 use crate::terminal::significant;
 
 pub(super) fn good_enough(v: &View) -> Card {
@@ -67,11 +67,14 @@ pub(super) fn place(v: &View) -> Card {
     let fine = explained(v)
         && v.fitted_models.first().is_none_or(|base| v.fitted_models.len() < 2 || base.answer.explained);
     let Some(first) = all.first().filter(|_| !fine) else {
-        let (head, body) = match v.current().and_then(FittedModel::explained_with_mesh_error) {
-            None => ("Nowhere beyond the noise", "What is left looks like the noise of the record."),
-            Some(_) => {
+        let (head, body) = match (mean_off(v), practice(v)) {
+            (Some(_), _) => {
                 ("Nowhere beyond the mesh's error", "What is left may be the mesh: see the misfit strips.")
             }
+            (None, Some(_)) => {
+                ("Nowhere beyond practice", "What is left is as large as in a complete model of such a test.")
+            }
+            (None, None) => ("Nowhere beyond the noise", "What is left looks like the noise of the record."),
         };
         return Card { question, good: Some(true), head: head.into(), body: format!("<p>{body}</p>") };
     };
