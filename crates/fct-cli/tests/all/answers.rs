@@ -147,10 +147,10 @@ fn practice_on_the_page(here: &Path) -> Tested {
         assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
         Ok(fs::read_to_string(here.join("search/report.html"))?)
     };
-    rewritten(&here.join("search/rungs/1"), "summary.json", |rung| {
-        rung["explained"] = false.into();
-        rung["reduced_chi2"] = 14.0.into();
-        rung["rest"]["share_of_peak"] = 0.018.into();
+    rewritten(&here.join("search/rungs/1"), "summary.json", |fitted| {
+        fitted["explained"] = false.into();
+        fitted["reduced_chi2"] = 14.0.into();
+        fitted["rest"]["share_of_peak"] = 0.018.into();
     })?;
     let practice = said("explained", 0.1)?;
     assert!(practice.contains("1.8 % of the peak force, as in a complete model of such a test"));
