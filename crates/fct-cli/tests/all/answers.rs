@@ -142,6 +142,7 @@ fn practice_on_the_page(here: &Path) -> Tested {
         rewritten(&here.join("search"), "summary.json", |answer| {
             answer["verdict"] = found.into();
             answer["posterior"]["something_else"] = something_else.into();
+            answer["ladder"][1]["reduced_chi2"] = 14.0.into();
         })?;
         let out = fct(here, &["report", "search"])?;
         assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
