@@ -50,7 +50,7 @@ pub use ladder::{Adds, FeLadder, Fitted, LadderSettings, LeftOut, NextTest, Sear
 pub use law_names::LawNames;
 pub use needs::{Need, needs};
 pub use parsimony::{OneStrength, one_strength};
-pub use probable::{Brief, Left, PosteriorAnswer, Probable};
+pub use probable::{Brief, LIKELY, Left, PosteriorAnswer, Probable};
 pub use problem::{Cancelled, FeProblem};
 pub use simulate::{SimulateControl, Simulated, SimulatedTest, replay, simulate};
 pub use start::{start_at, stay_at};

@@ -14,8 +14,8 @@ use std::sync::PoisonError;
 /// Sets that are listed hold at least this share of the posterior.
 const LISTED: f64 = 1e-3;
 
-/// Probabilities under other scales of what is believed.
-pub use evidence::Brief;
+/// Probabilities under other scales of what is believed; from which probability on a cause from outside is said to act.
+pub use evidence::{Brief, LIKELY};
 
 /// Posterior probabilities as an answer has them. `nothing`, `something_else` and the probabilities of all other sets sum to 1.
 #[derive(Clone, Debug, Serialize)]

@@ -55,7 +55,7 @@ fn verdict(d: &Discovery, p: &PosteriorAnswer, laws: &[String]) -> String {
         ),
         Verdict::Unexplained => {
             // Where a cause from outside is no more probable than none, it is not said to act.
-            let more = if p.something_else > 0.5 {
+            let more = if p.something_else > evidence::LIKELY {
                 "something is missing that the catalogue does not hold"
             } else {
                 "more is left than a complete model of such a test leaves"

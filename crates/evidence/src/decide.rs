@@ -15,6 +15,9 @@ use serde::Serialize;
 /// Loss of a wrong name in units of that of abstaining.
 pub const WRONG_NAME: f64 = 4.0;
 
+/// Probability from which a cause outside the catalogue is said to act: more probable than not.
+pub const LIKELY: f64 = 0.5;
+
 /// Mass that the sets of an answer hold.
 pub const CREDIBLE: f64 = 0.95;
 
@@ -114,7 +117,7 @@ pub fn decide(posterior: &Posterior, explained: ExplainedTo) -> Decision {
         .filter(|g| WRONG_NAME * (1.0 - holds(posterior, g)) < 1.0)
         .collect();
     let found: Vec<String> = groups.iter().map(|g| g[0].clone()).collect();
-    let beyond = explained == ExplainedTo::Not || posterior.something_else > 0.5;
+    let beyond = explained == ExplainedTo::Not || posterior.something_else > LIKELY;
     let undecided = if found.is_empty() && !beyond { effects } else { Vec::new() };
     let verdict = match (beyond, found.is_empty(), groups.iter().all(|g| g.len() == 1)) {
         (true, ..) => Verdict::Unexplained,

@@ -23,7 +23,7 @@ pub mod special;
 mod spectrum;
 mod truncated;
 
-pub use decide::{CREDIBLE, Decision, Verdict, WRONG_NAME, decide};
+pub use decide::{CREDIBLE, Decision, LIKELY, Verdict, WRONG_NAME, decide};
 pub use frontier::{Extension, HOPELESS, LEFT, extend, hopeless, to_fit};
 pub use intervals::Interval;
 pub use linear::{Linear, Parameter};

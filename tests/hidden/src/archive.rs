@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// What a folder of a case holds besides its records.
+/// What a folder of a case holds besides its records. The answer comes last: where it is, the others are.
 const FILES: [&str; 4] = ["truth.json", imitate::FILE, Drawn::LeftOut.file(), ANSWER];
 const ANSWER: &str = Drawn::All.file();
 
@@ -52,9 +52,12 @@ pub fn pack(dir: &Path, path: &Path, program: Option<&str>) -> Result<usize, Gen
         let mut files = BTreeMap::new();
         for file in FILES {
             let from = folder.join(file);
-            let Ok(text) = std::fs::read_to_string(&from) else { continue };
-            let mut value: Value = serde_json::from_str(&text)
-                .map_err(|e| GenerateError::file(&from.display().to_string(), &e))?;
+            let fault = |e: &dyn std::fmt::Display| GenerateError::file(&from.display().to_string(), e);
+            let text = match std::fs::read_to_string(&from) {
+                Err(e) if e.kind() == ErrorKind::NotFound => continue,
+                text => text.map_err(|e| fault(&e))?,
+            };
+            let mut value: Value = serde_json::from_str(&text).map_err(|e| fault(&e))?;
             round(&mut value);
             files.insert(file.to_owned(), value);
         }

@@ -5,7 +5,7 @@ use hidden_suite::forward::Fineness;
 use hidden_suite::report::{Beside, Study};
 use hidden_suite::run::Drawn;
 use hidden_suite::spec::{Spec, spread, suite};
-use hidden_suite::{GenerateError, archive, generate::generate, imitate, report, run};
+use hidden_suite::{GenerateError, archive, files, generate::generate, imitate, report, run};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -83,8 +83,8 @@ fn main() -> ExitCode {
         .collect();
     let results = args.results.as_ref();
     let ready = results.is_none_or(|path| told(path, archive::unpack(path, &args.dir)));
-    // Not over what could not be read.
-    let good = ready && {
+    // Not over what could not be read, or is of another study.
+    let good = ready && are_of_this_study(&args, &specs) && {
         let answered = study(&args, &specs);
         let program = args.commit.as_deref();
         let kept = results.is_none_or(|path| told(path, archive::pack(&args.dir, path, program)));
@@ -100,6 +100,18 @@ fn told(path: &Path, done: Result<usize, GenerateError>) -> bool {
         Err(e) => eprintln!("{e}"),
     }
     done.is_ok()
+}
+
+/// Whether the cases that are there are those of the seed that was asked for: their names are the same for every seed.
+fn are_of_this_study(args: &Args, specs: &[Spec]) -> bool {
+    let other = specs.iter().find_map(|s| {
+        let truth = files::truth(&args.dir.join(&s.name)).ok()?;
+        (truth.seed != s.seed).then(|| format!("{} is of seed {}, expected {}", s.name, truth.seed, s.seed))
+    });
+    if let Some(other) = &other {
+        eprintln!("{}: {other}; give another --dir, --results or --seed", args.dir.display());
+    }
+    other.is_none()
 }
 
 /// Every case from its records to its answers, a few at a time.

@@ -4,7 +4,7 @@ use super::{FeLadder, Fitted};
 use crate::identify::AnalysisError;
 use crate::probable::{Probable, explained_by};
 use diagnose::{Discovery, FittedModel, Hints, Policy, Verdict};
-use evidence::{Decision, Posterior, decide};
+use evidence::{Decision, ExplainedTo, Posterior, decide};
 
 /// What a search by probabilities found.
 pub struct Weighed {
@@ -21,13 +21,22 @@ impl FeLadder<'_> {
     /// [`AnalysisError`].
     pub fn weighed(&mut self) -> Result<Weighed, AnalysisError> {
         let (probable, posterior) = self.weigh_catalogue()?;
-        let decision = decide(&posterior, probable.left.explained_to);
+        let (decision, steps) = self.decided(&posterior, probable.left.explained_to)?;
+        Ok(self.answered(decision, steps, probable))
+    }
+
+    /// What is named, and the models that show it, each fitted: `leading` is to what the leading set explains the records.
+    fn decided(
+        &mut self,
+        posterior: &Posterior,
+        leading: ExplainedTo,
+    ) -> Result<(Decision, Vec<Vec<String>>), AnalysisError> {
+        let decision = decide(posterior, leading);
         let steps = self.steps_to(&decision)?;
         // The records are explained by what is named, not by what leads and is too uncertain to be named.
         let named = explained_by(self, &decision.found)
             .map_err(|e| AnalysisError::Case(format!("no size of what is left: {e}")))?;
-        let decision = decide(&posterior, named.unwrap_or(probable.left.explained_to));
-        Ok(self.answered(decision, steps, probable))
+        Ok((decide(posterior, named.unwrap_or(leading)), steps))
     }
 
     /// Weighs the catalogue by its derivatives at the base model alone: nothing else is fitted.
@@ -128,3 +137,26 @@ impl FeLadder<'_> {
 
 /// The posterior and what is said of it.
 pub(super) type Probabilities = (Probable, Posterior);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ladder::tests::unexplained;
+    use evidence::{Judged, SetPrior};
+
+    /// A leading set explains the records by an effect that is too uncertain to be named: without it they are not explained.
+    #[test]
+    fn the_verdict_goes_by_what_is_named() {
+        let catalogue = effects::catalogue();
+        let mut ladder = unexplained(&catalogue);
+        let sets = [vec![], vec!["drift".to_owned()], vec!["compliance".to_owned(), "drift".to_owned()]];
+        let models = [-40.0, 0.0, 4.0].iter().zip(&sets);
+        let models: Vec<Judged> = models.map(|(z, s)| Judged::from_numbers(s, *z, -99.0)).collect();
+        let posterior = Posterior::of(&models, &SetPrior::of_catalogue(20));
+        assert_eq!(posterior.leader().map(|s| s.effects.len()), Some(2));
+        assert_eq!(decide(&posterior, ExplainedTo::Practice).verdict, evidence::Verdict::Explained);
+        let (decision, steps) = ladder.decided(&posterior, ExplainedTo::Practice).expect("a decision");
+        assert_eq!((&decision.found, &steps), (&sets[1], &vec![sets[1].clone()]));
+        assert_eq!(decision.verdict, evidence::Verdict::Unexplained);
+    }
+}

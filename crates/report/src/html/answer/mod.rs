@@ -80,7 +80,7 @@ pub fn practice(v: &View) -> Option<f64> {
 /// Whether a cause outside the catalogue is more probable than none.
 pub fn something_else(v: &View) -> bool {
     let posterior = v.diagnosis.as_ref().and_then(|d| d.get("posterior"));
-    posterior.and_then(|p| p.get("something_else")?.as_f64()).is_none_or(|p| p > 0.5)
+    posterior.and_then(|p| p.get("something_else")?.as_f64()).is_none_or(|p| p > analysis::LIKELY)
 }
 
 fn run(v: &View) -> String {
