@@ -9,7 +9,6 @@ mod cost;
 mod data;
 mod design;
 mod doctor;
-mod feasible_start;
 mod held_out;
 mod identify;
 mod journal;
@@ -24,6 +23,7 @@ mod simulate;
 mod start;
 mod strip;
 mod told;
+mod torn_start;
 mod weigh;
 
 pub use answer::{DiscoverAnswer, LadderRow, ScreenRow, diagnose, discover};

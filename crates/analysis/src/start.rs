@@ -186,7 +186,7 @@ pub(crate) fn find(
 ) -> Result<Option<Vec<Start>>, AnalysisError> {
     match one_area(case, catalogue, work, list)? {
         Some(levels) => Ok(Some(levels)),
-        None => Ok(crate::feasible_start::feasible_start(case, catalogue, work)?.map(|start| vec![start])),
+        None => crate::torn_start::torn_starts(case, catalogue, work),
     }
 }
 

@@ -118,6 +118,11 @@ impl Search<'_> {
         if self.free.is_empty() {
             return Ok(self.finish(state, 0, StopReason::NothingFree));
         }
+        let (arrived, stopped) = self.arrive(state, observer)?;
+        state = arrived;
+        if let Some(reason) = stopped {
+            return Ok(self.finish(state, 0, reason));
+        }
         let zero = 1e-24 * self.objective_map.apply(&self.data.measured()).norm_squared();
         let mut course = Course::begin(self.options, self.free.len());
         for iteration in 1..=self.options.max_iterations {

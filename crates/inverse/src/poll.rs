@@ -17,6 +17,9 @@ pub struct Poll {
     pub above: f64,
     /// Objective above which it is not worth the runs: another start came to that.
     pub below: f64,
+    /// Objective that the model came to elsewhere, on another mesh: a search that begins at more than [`AMISS`] times that looks
+    /// around first. What a jump does to a record is no small change, and no derivative at its far side leads back.
+    pub expected: f64,
     /// Objectives at which it is not worth the runs: another fit looked around there.
     pub known: Range<f64>,
     /// Free parameters that move together, by their places in the list of free parameters.
@@ -27,13 +30,26 @@ pub struct Poll {
 /// (docs/decisions/evidence.md).
 const STEPS: [f64; 2] = [0.04, 0.15];
 
+/// A search is amiss where it begins at so many times what is expected.
+const AMISS: f64 = 2.0;
+
+/// Looks around at its beginning at most.
+const FIRST_LOOKS: usize = 4;
+
 /// Share of f that a place must not exceed to be worth going on from.
 pub(crate) const ENOUGH: f64 = 0.95;
 
 impl Poll {
     /// Each parameter alone, however far f is.
     pub fn each(above: f64, free: usize) -> Self {
-        Self { above, below: f64::INFINITY, known: 0.0..0.0, groups: (0..free).map(|k| vec![k]).collect() }
+        let expected = f64::INFINITY;
+        Self {
+            above,
+            below: f64::INFINITY,
+            expected,
+            known: 0.0..0.0,
+            groups: (0..free).map(|k| vec![k]).collect(),
+        }
     }
 
     /// Whether an objective is far from the records.
@@ -66,6 +82,28 @@ impl Poll {
 }
 
 impl Search<'_> {
+    /// Where a search that begins amiss should begin; why to stop, if it is to.
+    pub(crate) fn arrive(
+        &mut self,
+        mut state: State,
+        observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
+    ) -> Result<(State, Option<StopReason>), FitError> {
+        let expected = self.options.poll.as_ref().map_or(f64::INFINITY, |p| p.expected);
+        for _ in 0..FIRST_LOOKS {
+            if state.f <= AMISS * expected {
+                break;
+            }
+            match self.look_around(&state, 0, observer)? {
+                Advance::To(next) => state = *next,
+                Advance::Stop(best, StopReason::Stopped) => {
+                    return Ok((best.map_or(state, |b| *b), Some(StopReason::Stopped)));
+                }
+                Advance::Stop(..) => break,
+            }
+        }
+        Ok((state, None))
+    }
+
     /// The best place around one that no step leads out of, if that is clearly better.
     pub(crate) fn look_around(
         &mut self,

@@ -70,8 +70,9 @@ impl StagedSearch<'_> {
             starts = found.iter().map(|s| s.spread_from(self.fine, &work.theta)).collect();
         }
         work.control.cancelled.phase(Phase::Fit);
+        let mut came_to = None;
         if let Some(coarse) = coarse {
-            self.coarsely(coarse, work, list, starts)?;
+            came_to = self.coarsely(coarse, work, list, starts)?;
         } else if let Some(theta) = starts.into_iter().next() {
             work.theta = theta;
         }
@@ -82,14 +83,14 @@ impl StagedSearch<'_> {
         let near = coarse.is_some() || self.case.identify.max_iterations == 0;
         let straight = near && list.iter().any(|s| s.0 == Stage::Joint);
         for (stage, free, tests) in list.iter().filter(|s| !straight || s.0 == Stage::Joint) {
-            work.stage_beside(
-                self.fine,
-                self.cheap.filter(|_| coarse.is_some()),
-                *stage,
-                free,
-                tests,
-                false,
-            )?;
+            let cheap = self.cheap.filter(|_| coarse.is_some());
+            // A search on the cheap mesh is put right by the given one; what the stages before the last came to is not
+            // what all parameters together did.
+            let comparable = cheap.is_none() && straight;
+            work.expected = came_to.filter(|_| comparable).unwrap_or(f64::INFINITY);
+            let end = work.stage_beside(self.fine, cheap, *stage, free, tests, false);
+            work.expected = f64::INFINITY;
+            end?;
         }
         Ok(())
     }
@@ -102,7 +103,7 @@ impl StagedSearch<'_> {
         work: &mut Work,
         list: &[StagePlan],
         starts: Vec<Vec<f64>>,
-    ) -> Result<(), AnalysisError> {
+    ) -> Result<Option<f64>, AnalysisError> {
         let mut best: Option<(f64, Vec<f64>)> = None;
         let mut failed = None;
         for theta in starts {
@@ -120,11 +121,14 @@ impl StagedSearch<'_> {
             }
         }
         match (best, failed) {
-            (Some((_, theta)), _) => work.theta = theta,
+            (Some((f, theta)), _) => {
+                work.theta = theta;
+                return Ok(Some(f));
+            }
             (None, Some(e)) => return Err(e),
             (None, None) => {}
         }
-        Ok(())
+        Ok(None)
     }
 
     /// A bulk that the intact strip alone leaves open, along the valley of its sloppy combinations, may end where the

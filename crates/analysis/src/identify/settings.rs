@@ -1,7 +1,7 @@
 //! Settings of a stage's fit.
 
 use super::{Stage, Work};
-use inverse::{FitOptions, Free, MappedOptions, Objective};
+use inverse::{FitOptions, Free, MappedOptions, Objective, Poll};
 
 /// The coarse mesh only brings the search near: a fall of half a percent is not worth a run, nor is a
 /// fifth trial of a step.
@@ -56,7 +56,7 @@ impl Work<'_> {
             // tear jump, and a jump tells the search nothing.
             initial_damping: if stage == Stage::Bulk { 1e-3 } else { 3e-2 },
             max_step: if stage == Stage::Bulk { 1.5 } else { 0.5 },
-            poll: Some(super::poll(list)),
+            poll: Some(Poll { expected: self.expected, ..super::poll(list) }),
             ..FitOptions::default()
         }
     }

@@ -48,6 +48,8 @@ pub(crate) struct Work<'a> {
     pub(super) options: RunOptions,
     /// How the search's runs are made.
     pub search: RunOptions,
+    /// Objective that the coarse mesh came to, for the next stage on the given one.
+    pub(super) expected: f64,
     /// Whether runs on the given mesh take the answer's steps.
     pub(super) all_steps: bool,
     /// Steps on the given mesh at most, besides the file's limit.
@@ -59,6 +61,8 @@ pub(crate) struct Work<'a> {
     /// Share of each record's largest value that counts as noise at least: a start need not follow
     /// the record any closer, and keeps a tissue that the literature knows.
     pub coarse_noise: f64,
+    /// Whether a start is sought that owes nothing to what the file says: no prior is around that.
+    pub by_record: bool,
     pub(super) starts: Option<String>,
     /// Whether there is a coarse mesh to begin on.
     pub(super) coarse_level: bool,
@@ -89,11 +93,13 @@ impl<'a> Work<'a> {
             case,
             options,
             search: options,
+            expected: f64::INFINITY,
             all_steps: false,
             rounds: usize::MAX,
             bulk_held: false,
             literature: case.identify.priors.literature.unwrap_or(false),
             coarse_noise: 0.0,
+            by_record: false,
             starts: None,
             coarse_level: false,
             tear_left: TearMisfit::default(),
@@ -152,7 +158,7 @@ impl<'a> Work<'a> {
             measured = measured.with_noise_of_at_least(self.coarse_noise);
         }
         let mut list = free_parameters(model, &self.theta, free);
-        crate::priors::add(&mut list, self.case, self.literature || starting);
+        crate::priors::add(&mut list, self.case, (self.literature || starting) && !self.by_record);
         let paths: Vec<String> = list.iter().map(|f| f.path.clone()).collect();
         let fit_options = self.fit_options(stage, coarse, &list);
         let options = if self.all_steps { self.options } else { self.search };

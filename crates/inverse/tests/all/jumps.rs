@@ -103,3 +103,15 @@ fn steps_that_creep_up_to_a_jump_are_no_end() {
     assert_eq!(alone.stop, StopReason::Insignificant);
     assert_eq!((beside.theta, beside.forward_runs), (alone.theta, alone.forward_runs));
 }
+
+/// Where a search begins far above what the model came to elsewhere, a jump lies between; a little above, none does.
+#[test]
+fn a_search_that_begins_amiss_looks_around_first() {
+    let alone = fitted_until(10.0, None, 0.35);
+    let begun = alone.history[0].f.expect("a start");
+    let expecting = |f: f64| fitted_until(10.0, Some(Poll { expected: f, ..Poll::each(3.0, 1) }), 0.35);
+    let same = expecting(0.6 * begun);
+    assert_eq!((same.theta, same.forward_runs), (alone.theta, alone.forward_runs));
+    let out = expecting(0.4 * begun);
+    assert!(out.f < 0.1 * alone.f && out.theta[0] > 1.0, "{} at {:?}", out.f, out.theta);
+}

@@ -1,0 +1,228 @@
+//! Where a search of a torn record begins, if its file gives the mesh by divisions or each area its own values: the file's
+//! own values if a tear can be followed with them, and a few that the record itself tells, each fitted on a coarse mesh.
+//! Stiffness comes from the record's very beginning, toughness from its work, strength from its peak force: what
+//! the file says of these is one start among others.
+
+use crate::data::Measured;
+use crate::identify::{AnalysisError, Stage, Work, coarser};
+use crate::start::{START_NOISE, Start, from_record};
+use input::{Case, Record};
+use inverse::{FitError, PredictError, Problem as _};
+use model::{Catalogue, Model, Site};
+use std::sync::Arc;
+
+/// Parts of the largest displacement that count as the beginning. What a straight beam tells in the first, tissue that stiffens
+/// tells in the last.
+const BEGINNINGS: [f64; 5] = [0.03, 0.06, 0.12, 0.25, 0.5];
+
+/// χ² per point, at a start's noise, up to which the bulk alone explains a beginning.
+const EXPLAINED: f64 = 2.0;
+
+/// Strengths as multiples of the record's: a strip that bends is far stronger than its peak force over its ligament. A weak
+/// path tears over a long zone, which every mesh resolves.
+const STRONGER: [f64; 3] = [1.0, 8.0, 64.0];
+
+/// The file's own values are a start where they miss the records by no more than so many times the sum of squares that the best
+/// of the others does.
+const AS_GOOD: f64 = 4.0;
+
+/// A start that misses the record no more than this many times as much as the best is tried, too.
+const NEAR: f64 = 1.5;
+
+/// Starts for the whole records, the best first, found on a coarse mesh. `None`: the file's values are to be it, or none
+/// was found.
+pub(crate) fn torn_starts(
+    case: &Arc<Case>,
+    catalogue: &Catalogue,
+    work: &mut Work,
+) -> Result<Option<Vec<Start>>, AnalysisError> {
+    let tearing = case.tests.iter().any(|t| t.kind.tears && t.record.is_some());
+    let Ok(model) = part_of(case, 1.0, catalogue) else { return Ok(None) };
+    let path = model.free_on(Site::Interface);
+    if !tearing || path.is_empty() {
+        return Ok(None);
+    }
+    let given = model.theta();
+    let by_area = case.interface.gc.len() > 1 || case.interface.sigma_c.len() > 1;
+    let missed_by_given = missed(&model, &given, work)?;
+    if by_area && missed_by_given.is_some() {
+        return Ok(None);
+    }
+    let theta_of_work = std::mem::replace(&mut work.theta, given.clone());
+    (work.coarse_noise, work.by_record) = (START_NOISE, true);
+    let mut found = Vec::new();
+    for stronger in STRONGER {
+        work.theta.clone_from(&given);
+        path_by_record(&model, from_record(case), stronger, &mut work.theta);
+        stiffness(case, catalogue, work)?;
+        found.extend(path_from_there(&model, &path, work)?);
+    }
+    if let Some(by_given) = missed_by_given {
+        let best = found.iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        let by_best = best.map(|(_, theta)| missed(&model, theta, work)).transpose()?.flatten();
+        if by_best.is_none_or(|m| by_given < AS_GOOD * m) {
+            work.theta = given;
+            found.extend(path_from_there(&model, &path, work)?);
+        }
+    }
+    work.theta = theta_of_work;
+    (work.coarse_noise, work.by_record) = (0.0, false);
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let least = found.first().map_or(f64::INFINITY, |f| f.0);
+    let near = found.into_iter().filter(|f| f.0 <= NEAR * least).take(2);
+    let starts = near.map(|(_, theta)| Ok(Start { theta, model: part_of(case, 1.0, catalogue)? }));
+    let starts: Vec<Start> = starts.collect::<Result<_, AnalysisError>>()?;
+    Ok(Some(starts).filter(|s| !s.is_empty()))
+}
+
+/// The path fitted to the records from the present values; `None` where they are no start.
+fn path_from_there(
+    model: &Model,
+    path: &[usize],
+    work: &mut Work,
+) -> Result<Option<(f64, Vec<f64>)>, AnalysisError> {
+    match work.stage(model, Stage::Interface, path, &model.recorded(), true) {
+        Ok(f) => Ok(Some((f, work.theta.clone()))),
+        Err(AnalysisError::Fit(FitError::Start(PredictError::NotComputable(_)))) => Ok(None),
+        Err(e) => Err(e),
+    }
+}
+
+/// Toughness and strength along the path as the record tells them.
+fn path_by_record(model: &Model, (gc, sigma_c): (f64, f64), stronger: f64, theta: &mut [f64]) {
+    for (i, p) in model.parameters.iter().enumerate().filter(|(_, p)| p.free) {
+        let value = match p.path.rsplit_once('.') {
+            Some((_, "sigma_c")) => stronger * sigma_c,
+            Some((_, "gc")) => gc,
+            _ => continue,
+        };
+        theta[i] = value.clamp(p.spec.lower, p.spec.upper);
+    }
+}
+
+/// The bulk alone from the beginning of the tearing records, as long as the path still holds and the bulk explains what there
+/// is: a strip that is several times too stiff would be taken for a soft path.
+fn stiffness(case: &Case, catalogue: &Catalogue, work: &mut Work) -> Result<(), AnalysisError> {
+    let mut fitted = false;
+    for part in BEGINNINGS {
+        let Ok(model) = part_of(case, part, catalogue) else { continue };
+        let (bulk, tests) = (model.free_on(Site::Bulk), model.recorded());
+        if bulk.is_empty() {
+            break;
+        }
+        if missed(&model, &work.theta, work)?.is_none() {
+            if fitted {
+                break;
+            }
+            continue;
+        }
+        let before = work.theta.clone();
+        let points = Measured::of(&model, &tests)?.data.points() as f64;
+        // Without: the file's stiffness.
+        let Ok(f) = work.stage(&model, Stage::Bulk, &bulk, &tests, true) else { break };
+        if fitted && f > EXPLAINED * points {
+            work.theta = before;
+            break;
+        }
+        fitted = true;
+    }
+    Ok(())
+}
+
+/// The model on a coarse mesh, its tearing records up to this part of their largest displacement.
+fn part_of(case: &Case, part: f64, catalogue: &Catalogue) -> Result<Model, AnalysisError> {
+    let (mut shorter, how) = coarser(case);
+    for t in shorter.tests.iter_mut().filter(|t| t.kind.tears) {
+        let peak = t.record.iter().flat_map(|r| &r.force).fold(0.0f64, |m, f| m.max(f.abs()));
+        // A few points do not tell their noise.
+        t.force_sd = t.force_sd.or(Some(START_NOISE * peak));
+        t.record = t.record.as_ref().map(|r| first(r, part));
+    }
+    Ok(Model::new(Arc::new(shorter), catalogue, how)?)
+}
+
+/// The rows before a record first goes beyond a part of its largest displacement; force only.
+fn first(record: &Record, part: f64) -> Record {
+    let most = record.displacement.iter().fold(0.0f64, |m, u| m.max(*u));
+    let beyond = record.displacement.iter().position(|u| *u > part * most * (1.0 + 1e-12));
+    let mut r = record.clone();
+    (r.grip_displacement, r.tear_front, r.width_change) = (None, None, None);
+    r.truncate(beyond.unwrap_or(record.len()).max(2));
+    r
+}
+
+/// What the model misses of its records, the sum of squares; `None` where it does not run to their end.
+fn missed(model: &Model, theta: &[f64], work: &Work) -> Result<Option<f64>, AnalysisError> {
+    let Ok(measured) = Measured::of(model, &model.recorded()) else { return Ok(None) };
+    let problem = work.trial(model, theta, &[], &measured.slots, work.search);
+    match problem.predict(&[], false) {
+        Ok(p) => Ok(Some(measured.data.misfit(&p.values).norm_squared())),
+        Err(PredictError::Interrupted) => Err(PredictError::Interrupted.into()),
+        Err(_) => Ok(None),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Control, FeProblem, NoJournal, run_options};
+    use model::{Channel, Discretisation};
+    use std::fmt::Write as _;
+
+    /// A strip that tears, its stiffness, toughness and strength so many times what its record was made with.
+    fn strip(folder: &std::path::Path, times: f64) -> Arc<Case> {
+        let [mu, k1, gc, sigma_c] = [6.0, 300.0, 0.03, 0.06].map(|v| times * v);
+        let text = format!(
+            "name = \"strip\"\n[geometry]\nlength_mm = 4.0\nwidth_mm = 3.0\nthickness_mm = 0.8\ncut_mm = 1.0\n\
+             [[tests]]\nkind = \"tearing\"\ndata = \"tearing.csv\"\nforce_sd_N = 0.001\n[mesh]\ndivisions = [8, 8, 1]\n\
+             [bulk]\nmu_kPa = {mu}\nk1_kPa = {k1}\nk2 = {{ start = 8.0, fixed = true }}\n\
+             gamma_deg = {{ start = 42.0, fixed = true }}\nkappa = {{ start = 0.2, fixed = true }}\n\
+             [interface]\ngc_N_per_mm = {gc}\nsigma_c_MPa = {sigma_c}\n"
+        );
+        std::fs::write(folder.join("c.toml"), text).expect("a config");
+        Arc::new(input::read_case(&folder.join("c.toml"), &effects::catalogue()).expect("a case"))
+    }
+
+    /// Writes the record of the strip as it is.
+    fn record(folder: &std::path::Path) {
+        let write = |force: &dyn Fn(usize) -> f64| {
+            let mut rows = String::from("time_s,displacement_mm,force_N\n");
+            for i in 0..30 {
+                let _ = writeln!(rows, "{i},{},{}", 0.1 * i as f64, force(i));
+            }
+            std::fs::write(folder.join("tearing.csv"), rows).expect("a record");
+        };
+        write(&|i| 0.01 * i as f64);
+        let case = strip(folder, 1.0);
+        let model =
+            Model::new(case.clone(), &effects::catalogue(), Discretisation::default()).expect("a model");
+        let slots = [crate::DataBlock { test: 0, channel: Channel::Force, rows: (0..30).collect() }];
+        let options = run_options(&case);
+        let problem = FeProblem::new(&model, model.theta(), Vec::new(), &slots, options, &|| false);
+        let values = problem.predict(&[], false).expect("a run").values;
+        write(&|i| values[i]);
+    }
+
+    #[test]
+    fn a_start_is_the_records_whatever_the_file_says() {
+        let folder = tempfile::tempdir().expect("a folder");
+        record(folder.path());
+        let control = Control { progress: &|_| (), cancelled: &|| false, journal: &NoJournal };
+        for times in [0.1, 10.0] {
+            let case = strip(folder.path(), times);
+            let model =
+                Model::new(case.clone(), &effects::catalogue(), Discretisation::default()).expect("a model");
+            let mut work = Work::new(&case, model.theta(), run_options(&case), &control);
+            let starts =
+                torn_starts(&case, &effects::catalogue(), &mut work).expect("runs").expect("a start");
+            let start = starts[0].spread_from(&model, &model.theta());
+            for (path, truth) in [("interface.area[1].gc", 0.03), ("interface.area[1].sigma_c", 0.06)] {
+                let ratio = start[model.find(path).expect("a parameter")] / truth;
+                assert!(
+                    (0.7..1.4).contains(&ratio),
+                    "{path} is {ratio} times the strip's, from {times} times"
+                );
+            }
+        }
+    }
+}
