@@ -17,8 +17,8 @@ pub struct Poll {
     pub above: f64,
     /// Objective above which it is not worth the runs: another start came to that.
     pub below: f64,
-    /// Objective that the model came to elsewhere, on another mesh: a search that begins at more than [`AMISS`] times that looks
-    /// around first. What a jump does to a record is no small change, and no derivative at its far side leads back.
+    /// Objective that the model came to elsewhere, on another mesh: a search that begins at more than twice that looks around
+    /// first. What a jump does to a record is no small change, and no derivative at its far side leads back.
     pub expected: f64,
     /// Objectives at which it is not worth the runs: another fit looked around there.
     pub known: Range<f64>,
