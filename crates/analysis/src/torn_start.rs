@@ -38,8 +38,7 @@ pub(crate) fn torn_starts(
 ) -> Result<Option<Vec<Start>>, AnalysisError> {
     let tearing = case.tests.iter().any(|t| t.kind.tears && t.record.is_some());
     let Ok(model) = part_of(case, 1.0, catalogue) else { return Ok(None) };
-    let path = model.free_on(Site::Interface);
-    if !tearing || path.is_empty() {
+    if !tearing || model.free_on(Site::Interface).is_empty() {
         return Ok(None);
     }
     let given = model.theta();
@@ -50,23 +49,10 @@ pub(crate) fn torn_starts(
     }
     let theta_of_work = std::mem::replace(&mut work.theta, given.clone());
     (work.coarse_noise, work.by_record) = (START_NOISE, true);
-    let mut found = Vec::new();
-    for stronger in STRONGER {
-        work.theta.clone_from(&given);
-        path_by_record(&model, from_record(case), stronger, &mut work.theta);
-        stiffness(case, catalogue, work)?;
-        found.extend(path_from_there(&model, &path, work)?);
-    }
-    if let Some(by_given) = missed_by_given {
-        let best = found.iter().min_by(|a, b| a.0.total_cmp(&b.0));
-        let by_best = best.map(|(_, theta)| missed(&model, theta, work)).transpose()?.flatten();
-        if by_best.is_none_or(|m| by_given < AS_GOOD * m) {
-            work.theta = given;
-            found.extend(path_from_there(&model, &path, work)?);
-        }
-    }
-    work.theta = theta_of_work;
+    let found = candidates(case, catalogue, &model, missed_by_given, work);
     (work.coarse_noise, work.by_record) = (0.0, false);
+    work.theta = theta_of_work;
+    let mut found = found?;
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     let least = found.first().map_or(f64::INFINITY, |f| f.0);
     let near = found.into_iter().filter(|f| f.0 <= NEAR * least).take(2);
@@ -75,12 +61,41 @@ pub(crate) fn torn_starts(
     Ok(Some(starts).filter(|s| !s.is_empty()))
 }
 
+/// Values with what they miss, by the objective at a start's noise.
+type Candidate = (f64, Vec<f64>);
+
+/// What the record tells, and what the file says where that misses the records no more.
+fn candidates(
+    case: &Case,
+    catalogue: &Catalogue,
+    model: &Model,
+    missed_by_given: Option<f64>,
+    work: &mut Work,
+) -> Result<Vec<Candidate>, AnalysisError> {
+    let path = model.free_on(Site::Interface);
+    let mut found = Vec::new();
+    for stronger in STRONGER {
+        work.theta = model.theta();
+        path_by_record(model, from_record(case), stronger, &mut work.theta);
+        stiffness(case, catalogue, work)?;
+        found.extend(path_from_there(model, &path, work)?);
+    }
+    let Some(by_given) = missed_by_given else { return Ok(found) };
+    let best = found.iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    let by_best = best.map(|(_, theta)| missed(model, theta, work)).transpose()?.flatten();
+    if by_best.is_none_or(|m| by_given < AS_GOOD * m) {
+        work.theta = model.theta();
+        found.extend(path_from_there(model, &path, work)?);
+    }
+    Ok(found)
+}
+
 /// The path fitted to the records from the present values; `None` where they are no start.
 fn path_from_there(
     model: &Model,
     path: &[usize],
     work: &mut Work,
-) -> Result<Option<(f64, Vec<f64>)>, AnalysisError> {
+) -> Result<Option<Candidate>, AnalysisError> {
     match work.stage(model, Stage::Interface, path, &model.recorded(), true) {
         Ok(f) => Ok(Some((f, work.theta.clone()))),
         Err(AnalysisError::Fit(FitError::Start(PredictError::NotComputable(_)))) => Ok(None),
