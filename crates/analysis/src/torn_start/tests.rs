@@ -1,0 +1,83 @@
+//! A strip whose record is known, and files that say other things of it.
+
+use super::*;
+use crate::{Control, FeProblem, NoJournal, run_options};
+use model::{Channel, Discretisation};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// A strip that tears, its stiffness, toughness and strength so many times what its record was made with; with more than one
+/// area each has a toughness of its own.
+fn strip(folder: &Path, times: f64, areas: usize) -> Arc<Case> {
+    let [mu, k1, gc, sigma_c] = [6.0, 300.0, 0.03, 0.06].map(|v| times * v);
+    let gc = if areas > 1 { format!("{:?}", vec![gc; areas]) } else { gc.to_string() };
+    let text = format!(
+        "name = \"strip\"\n[geometry]\nlength_mm = 4.0\nwidth_mm = 3.0\nthickness_mm = 0.8\ncut_mm = 1.0\n\
+         [[tests]]\nkind = \"tearing\"\ndata = \"tearing.csv\"\nforce_sd_N = 0.001\n[mesh]\ndivisions = [8, 8, 1]\n\
+         [bulk]\nmu_kPa = {mu}\nk1_kPa = {k1}\nk2 = {{ start = 8.0, fixed = true }}\n\
+         gamma_deg = {{ start = 42.0, fixed = true }}\nkappa = {{ start = 0.2, fixed = true }}\n\
+         [interface]\nareas = {areas}\ngc_N_per_mm = {gc}\nsigma_c_MPa = {sigma_c}\n"
+    );
+    std::fs::write(folder.join("c.toml"), text).expect("a config");
+    Arc::new(input::read_case(&folder.join("c.toml"), &effects::catalogue()).expect("a case"))
+}
+
+fn on_its_mesh(case: &Arc<Case>) -> Model {
+    Model::new(case.clone(), &effects::catalogue(), Discretisation::default()).expect("a model")
+}
+
+/// A folder with the record of the strip as it is.
+fn recorded() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |force: &dyn Fn(usize) -> f64| {
+        let mut rows = String::from("time_s,displacement_mm,force_N\n");
+        for i in 0..30 {
+            let _ = writeln!(rows, "{i},{},{}", 0.1 * i as f64, force(i));
+        }
+        std::fs::write(folder.path().join("tearing.csv"), rows).expect("a record");
+    };
+    write(&|i| 0.01 * i as f64);
+    let case = strip(folder.path(), 1.0, 1);
+    let model = on_its_mesh(&case);
+    let slots = [crate::DataBlock { test: 0, channel: Channel::Force, rows: (0..30).collect() }];
+    let problem = FeProblem::new(&model, model.theta(), Vec::new(), &slots, run_options(&case), &|| false);
+    let values = problem.predict(&[], false).expect("a run").values;
+    write(&|i| values[i]);
+    folder
+}
+
+/// The first start of a case, on its own mesh.
+fn first_start(case: &Arc<Case>) -> Option<Vec<f64>> {
+    let control = Control { progress: &|_| (), cancelled: &|| false, journal: &NoJournal };
+    let model = on_its_mesh(case);
+    let mut work = Work::new(case, model.theta(), run_options(case), &control);
+    let starts = torn_starts(case, &effects::catalogue(), &mut work).expect("runs");
+    assert_eq!((&work.theta, work.coarse_noise, work.by_record), (&model.theta(), 0.0, false));
+    starts.map(|s| s[0].spread_from(&model, &model.theta()))
+}
+
+#[test]
+fn a_start_is_the_records_whatever_the_file_says() {
+    let folder = recorded();
+    for times in [0.1, 10.0] {
+        let case = strip(folder.path(), times, 1);
+        let (model, start) = (on_its_mesh(&case), first_start(&case).expect("a start"));
+        for (path, truth) in [("interface.area[1].gc", 0.03), ("interface.area[1].sigma_c", 0.06)] {
+            let ratio = start[model.find(path).expect("a parameter")] / truth;
+            assert!((0.7..1.4).contains(&ratio), "{path} is {ratio} times the strip's, from {times} times");
+        }
+    }
+}
+
+#[test]
+fn a_file_that_says_it_better_than_the_record_is_kept_to() {
+    let case = strip(recorded().path(), 1.0, 1);
+    let (model, start) = (on_its_mesh(&case), first_start(&case).expect("a start"));
+    let bulk = model.free_on(Site::Bulk);
+    assert!(!bulk.is_empty() && bulk.iter().all(|&i| start[i] == model.theta()[i]), "{start:?}");
+}
+
+#[test]
+fn values_of_each_area_with_which_the_record_can_be_followed_are_the_start() {
+    assert_eq!(first_start(&strip(recorded().path(), 1.0, 2)), None);
+}
