@@ -38,16 +38,24 @@ sigma_c_MPa = {sigma_c}
     )
 }
 
-#[test]
-#[ignore = "slow: run by `just slow`"]
-fn a_start_from_which_the_record_cannot_be_followed_is_mended() -> Tested {
+/// The record of [`recorded`].
+const RECORD: &str = "data = \"record/tearing.csv\"";
+
+/// A folder with the record of a beam.
+fn recorded() -> Result<tempfile::TempDir, Box<dyn std::error::Error>> {
     let protocol = "protocol = [{ to_mm = 4.0, rate_mm_per_s = 0.05 }]";
     let output = "[solver]\nstep_mm = 0.05\n[output]\nnoise = 0.01\nseed = 3\n";
     let folder = folder(&beam(protocol, 5000.0, 0.8, 1.0, output))?;
     let (code, _, stderr) = json(folder.path(), &["simulate", "strip.toml", "--out", "record"])?;
     assert_eq!(code, 0, "{stderr}");
-    let data = "data = \"record/tearing.csv\"";
-    fs::write(folder.path().join("far.toml"), beam(data, 15_000.0, 0.03, 20.0, ""))?;
+    Ok(folder)
+}
+
+#[test]
+#[ignore = "slow: run by `just slow`"]
+fn a_start_from_which_the_record_cannot_be_followed_is_mended() -> Tested {
+    let folder = recorded()?;
+    fs::write(folder.path().join("far.toml"), beam(RECORD, 15_000.0, 0.03, 20.0, ""))?;
 
     // The start itself gives no answer, and what lies at a limit of the law stays there.
     let (code, _, _) = json(folder.path(), &["simulate", "far.toml", "--out", "start"])?;
@@ -56,20 +64,30 @@ fn a_start_from_which_the_record_cannot_be_followed_is_mended() -> Tested {
     let text = String::from_utf8(checked.stdout)?;
     assert!(text.contains("Held at the limit that the file gives: bulk.k2 = 0, bulk.gamma = 90"), "{text}");
 
+    let (code, answer, stderr) = json(folder.path(), &["identify", "far.toml", "--out", "fit"])?;
+    assert_eq!(code, 0, "{stderr}");
+    holds_the_truth(&answer)?;
+    let remarks = answer["remarks"].to_string();
+    assert!(remarks.contains("bulk.kappa = 0"), "{remarks}");
+    Ok(())
+}
+
+/// All start values ten times as large, and a tenth.
+#[test]
+#[ignore = "slow: run by `just slow`; fails: from ten times the search ends 4 of χ² above the least, in a valley, beside the truth"]
+fn a_start_ten_times_off_ends_at_the_truth() -> Tested {
+    let folder = recorded()?;
     let mut ends = Vec::new();
-    for (name, k1, gc, sigma_c) in
-        [("far", 15_000.0, 0.03, 20.0), ("more", 50_000.0, 8.0, 10.0), ("less", 500.0, 0.08, 0.1)]
-    {
+    for (name, times) in [("more", 10.0), ("less", 0.1)] {
         let file = format!("{name}.toml");
-        fs::write(folder.path().join(&file), beam(data, k1, gc, sigma_c, ""))?;
+        let far = beam(RECORD, times * 5000.0, times * 0.8, times * 1.0, "");
+        fs::write(folder.path().join(&file), far)?;
         let (code, answer, stderr) = json(folder.path(), &["identify", &file, "--out", name])?;
         assert_eq!(code, 0, "{stderr}");
-        holds_the_truth(&answer)?;
+        holds_the_truth(&answer).map_err(|e| format!("{name}: {e}"))?;
         ends.push(answer["reduced_chi2_total"].as_f64().ok_or("reduced χ²")?);
-        let remarks = answer["remarks"].to_string();
-        assert!(remarks.contains("bulk.kappa = 0"), "{remarks}");
     }
-    assert!(ends.iter().all(|c| (c / ends[0] - 1.0).abs() < 0.01), "{ends:?}");
+    assert!((ends[0] / ends[1] - 1.0).abs() < 0.01, "{ends:?}");
     Ok(())
 }
 
