@@ -22,6 +22,10 @@ const EXPLAINED: f64 = 2.0;
 /// path tears over a long zone, which every mesh resolves.
 const STRONGER: [f64; 3] = [1.0, 8.0, 64.0];
 
+/// Elements along the pull that a coarse mesh keeps. An arm that bends through one or two is too stiff, and what is fitted with
+/// it is no start for the given mesh.
+const LAYERS: usize = 8;
+
 /// The file's own values are a start where they miss the records by no more than so many times the sum of squares that the best
 /// of the others does.
 const AS_GOOD: f64 = 4.0;
@@ -155,6 +159,9 @@ fn stiffness(case: &Case, catalogue: &Catalogue, work: &mut Work) -> Result<(), 
 /// The model on a coarse mesh, its tearing records up to this part of their largest displacement.
 fn part_of(case: &Case, part: f64, catalogue: &Catalogue) -> Result<Model, AnalysisError> {
     let (mut shorter, how) = coarser(case);
+    if let (Some(coarse), Some(given)) = (&mut shorter.mesh.divisions, case.mesh.divisions) {
+        coarse[1] = coarse[1].max(given[1].min(LAYERS));
+    }
     for t in shorter.tests.iter_mut().filter(|t| t.kind.tears) {
         let peak = t.record.iter().flat_map(|r| &r.force).fold(0.0f64, |m, f| m.max(f.abs()));
         // A few points do not tell their noise.

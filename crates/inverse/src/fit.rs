@@ -118,13 +118,13 @@ impl Search<'_> {
         if self.free.is_empty() {
             return Ok(self.finish(state, 0, StopReason::NothingFree));
         }
-        let (arrived, stopped) = self.arrive(state, observer)?;
+        let mut course = Course::begin(self.options, self.free.len());
+        let (arrived, stopped) = self.arrive(state, &mut course, observer)?;
         state = arrived;
         if let Some(reason) = stopped {
             return Ok(self.finish(state, 0, reason));
         }
         let zero = 1e-24 * self.objective_map.apply(&self.data.measured()).norm_squared();
-        let mut course = Course::begin(self.options, self.free.len());
         for iteration in 1..=self.options.max_iterations {
             if state.f <= zero {
                 return Ok(self.finish(state, iteration - 1, StopReason::Exact));
@@ -132,17 +132,20 @@ impl Search<'_> {
             if self.predicted_reduction(&state) <= 1e-3 * self.options.tolerance {
                 return Ok(self.finish(state, iteration - 1, StopReason::Stationary));
             }
-            let (end, taken) = match self.advance(&state, iteration, &mut course, observer)? {
-                Advance::To(next) => (self.take(&mut state, *next, &mut course), iteration),
-                Advance::Stop(None, StopReason::NoDescent) if self.settled(&state) => {
-                    (Some(StopReason::Stationary), iteration - 1)
-                }
-                Advance::Stop(None, StopReason::NoDescent) => (Some(StopReason::NoDescent), iteration - 1),
-                Advance::Stop(best, reason) => {
-                    let taken = iteration - usize::from(best.is_none());
-                    return Ok(self.finish(best.map_or(state, |b| *b), taken, reason));
-                }
-            };
+            let (end, taken) =
+                match self.advance(&state, iteration, self.options.max_trials, &mut course, observer)? {
+                    Advance::To(next) => (self.take(&mut state, *next, &mut course), iteration),
+                    Advance::Stop(None, StopReason::NoDescent) if self.settled(&state) => {
+                        (Some(StopReason::Stationary), iteration - 1)
+                    }
+                    Advance::Stop(None, StopReason::NoDescent) => {
+                        (Some(StopReason::NoDescent), iteration - 1)
+                    }
+                    Advance::Stop(best, reason) => {
+                        let taken = iteration - usize::from(best.is_none());
+                        return Ok(self.finish(best.map_or(state, |b| *b), taken, reason));
+                    }
+                };
             let Some(reason) = end else { continue };
             if !self.is_stuck(&state, reason) {
                 return Ok(self.finish(state, taken, reason));
@@ -179,10 +182,11 @@ impl Search<'_> {
     }
 
     /// Tries steps, shorter and shorter, until one lowers the objective.
-    fn advance(
+    pub(crate) fn advance(
         &mut self,
         state: &State,
         iteration: usize,
+        trials: usize,
         Course { control, last, .. }: &mut Course,
         observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
     ) -> Result<Advance, FitError> {
@@ -193,7 +197,7 @@ impl Search<'_> {
         // The curvature holds what the last step says.
         let last = last.as_ref().filter(|_| own.curved.is_none());
         let space = self.step_box(state);
-        for trial in 0..self.options.max_trials {
+        for trial in 0..trials {
             let mut step = control.step(system, d, &space);
             let defect = last.and_then(|l| l.defect(whitened, d, &step.dz));
             if let Some(accelerated) =

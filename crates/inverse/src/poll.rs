@@ -5,6 +5,7 @@
 //! objective itself is asked at a few places around, as pattern searches do (Torczon 1997, doi:10.1137/S1052623493250780):
 //! along each group of parameters, both ways, near and farther.
 
+use crate::course::Course;
 use crate::fit::{Advance, Failure, Search, State};
 use crate::{Data, FitError, FitOptions, Free, Iterate, PredictError, StopReason};
 use nalgebra::DVector;
@@ -17,8 +18,9 @@ pub struct Poll {
     pub above: f64,
     /// Objective above which it is not worth the runs: another start came to that.
     pub below: f64,
-    /// Objective that the model came to elsewhere, on another mesh: a search that begins at more than twice that looks around
-    /// first. What a jump does to a record is no small change, and no derivative at its far side leads back.
+    /// Objective that the model came to elsewhere, on another mesh: a search that begins at more than twice that, and that no
+    /// step leads out of, looks around first. What a jump does to a record is no small change, and no derivative at its far side
+    /// leads back.
     pub expected: f64,
     /// Objectives at which it is not worth the runs: another fit looked around there.
     pub known: Range<f64>,
@@ -32,6 +34,9 @@ const STEPS: [f64; 2] = [0.04, 0.15];
 
 /// A search is amiss where it begins at so many times what is expected.
 const AMISS: f64 = 2.0;
+
+/// Derivatives lead on from there as long as a step leaves at most this share.
+const LEADS_ON: f64 = 0.5;
 
 /// Looks around at its beginning at most.
 const FIRST_LOOKS: usize = 4;
@@ -82,19 +87,29 @@ impl Poll {
 }
 
 impl Search<'_> {
-    /// Where a search that begins amiss should begin; why to stop, if it is to.
+    /// Where a search that begins amiss should begin, and why to stop, if it is to: steps go on while derivatives lead on,
+    /// and where they do not it looks around.
     pub(crate) fn arrive(
         &mut self,
         mut state: State,
+        course: &mut Course,
         observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
     ) -> Result<(State, Option<StopReason>), FitError> {
         let expected = self.options.poll.as_ref().map_or(f64::INFINITY, |p| p.expected);
         for _ in 0..FIRST_LOOKS {
+            let (there, stopped) = self.stride(state, AMISS * expected, course, observer)?;
+            state = there;
+            if stopped {
+                return Ok((state, Some(StopReason::Stopped)));
+            }
             if state.f <= AMISS * expected {
                 break;
             }
             match self.look_around(&state, 0, observer)? {
-                Advance::To(next) => state = *next,
+                Advance::To(next) => {
+                    state = *next;
+                    *course = Course::begin(self.options, self.free.len());
+                }
                 Advance::Stop(best, StopReason::Stopped) => {
                     return Ok((best.map_or(state, |b| *b), Some(StopReason::Stopped)));
                 }
@@ -102,6 +117,31 @@ impl Search<'_> {
             }
         }
         Ok((state, None))
+    }
+
+    /// Steps, one trial each, until f is `enough` or derivatives do not lead on; whether to stop.
+    fn stride(
+        &mut self,
+        mut state: State,
+        enough: f64,
+        course: &mut Course,
+        observer: &mut dyn FnMut(&Iterate) -> ControlFlow<()>,
+    ) -> Result<(State, bool), FitError> {
+        while state.f > enough {
+            match self.advance(&state, 0, 1, course, observer)? {
+                Advance::To(next) => {
+                    let leads_on = next.f <= LEADS_ON * state.f;
+                    self.take(&mut state, *next, course);
+                    if !leads_on {
+                        break;
+                    }
+                }
+                Advance::Stop(best, why) => {
+                    return Ok((best.map_or(state, |b| *b), why == StopReason::Stopped));
+                }
+            }
+        }
+        Ok((state, false))
     }
 
     /// The best place around one that no step leads out of, if that is clearly better.

@@ -9,6 +9,7 @@ use hidden_suite::{GenerateError, archive, files, generate::generate, imitate, r
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -114,16 +115,31 @@ fn are_of_this_study(args: &Args, specs: &[Spec]) -> bool {
     other.is_none()
 }
 
-/// Every case from its records to its answers, a few at a time.
+/// Every case from its records to its answers, a few at a time; each is kept as soon as it is there.
 fn study(args: &Args, specs: &[Spec]) -> bool {
-    let (failed, begun) = (AtomicBool::new(false), Instant::now());
+    let (failed, begun, keeping) = (AtomicBool::new(false), Instant::now(), Mutex::new(()));
     let late = || args.minutes.is_some_and(|m| begun.elapsed() > Duration::from_secs(60 * m));
     run::each(&spread(specs), args.jobs, |spec| {
-        if !late() && !one(args, spec) {
+        if late() {
+            return;
+        }
+        let answered = one(args, spec);
+        let _alone = keeping.lock();
+        if !(answered & keep(args)) {
             failed.store(true, Ordering::Relaxed);
         }
     });
     !failed.into_inner()
+}
+
+/// Writes what is answered to the file of the results, where one is asked for.
+fn keep(args: &Args) -> bool {
+    let Some(path) = &args.results else { return true };
+    let kept = archive::pack(&args.dir, path, args.commit.as_deref());
+    if let Err(e) = &kept {
+        eprintln!("{e}");
+    }
+    kept.is_ok()
 }
 
 /// What is asked for and not there yet of one case.
@@ -135,11 +151,12 @@ fn one(args: &Args, spec: &Spec) -> bool {
     if wanted(What::Generate) && !there() {
         good &= make(spec, &folder);
     }
-    if wanted(What::Imitate) && there() && imitate::stored(&folder).is_none() && imitate::worth(&folder) {
-        good &= measure(&folder);
-    }
     if wanted(What::Run) && there() && run::stored(&folder, Drawn::All).is_none() {
         good &= ask(args, &folder, Drawn::All);
+    }
+    // What an answer fitted is a start of the imitation.
+    if wanted(What::Imitate) && there() && imitate::stored(&folder).is_none() && imitate::worth(&folder) {
+        good &= measure(&folder);
     }
     let visible = || run::stored(&folder, Drawn::All).is_some_and(|o| o.is_visible_single());
     if wanted(What::LeaveOut) && run::stored(&folder, Drawn::LeftOut).is_none() && visible() {

@@ -46,6 +46,9 @@ pub struct Step {
     pub gc: f64,
     /// Whether it counts as explained.
     pub explained: bool,
+    /// Fitted values of its free parameters.
+    #[serde(default)]
+    pub values: BTreeMap<String, f64>,
 }
 
 /// What an answer states.

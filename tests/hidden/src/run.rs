@@ -8,6 +8,7 @@ use analysis::{FeLadder, Probable};
 use diagnose::{Discovery, FittedModel, Policy, Verdict};
 use input::Case;
 use model::Catalogue;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
@@ -228,8 +229,15 @@ fn step(ladder: &FeLadder, r: &FittedModel, policy: &Policy) -> Step {
         held_out_chi2: r.held_out_chi2,
         structure_p: r.structure_p,
         gc: mean_gc,
+        values: fitted.map(values).unwrap_or_default(),
         explained: r.explained(policy),
     }
+}
+
+/// Values of what was free.
+fn values(fitted: &analysis::Fitted) -> BTreeMap<String, f64> {
+    let all = fitted.model.parameters.iter().zip(&fitted.theta);
+    all.filter(|(p, _)| p.free).map(|(p, v)| (p.path.clone(), *v)).collect()
 }
 
 fn empty(truth: Truth, end: End) -> Outcome {

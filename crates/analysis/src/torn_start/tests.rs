@@ -56,6 +56,18 @@ fn first_start(case: &Arc<Case>) -> Option<Vec<f64>> {
     starts.map(|s| s[0].spread_from(&model, &model.theta()))
 }
 
+/// An arm that bends needs its few elements; where there are many, half of them do.
+#[test]
+fn a_coarse_mesh_keeps_what_bending_needs() {
+    let folder = recorded();
+    let mut case = (*strip(folder.path(), 1.0, 1)).clone();
+    for (given, coarse) in [([8, 8, 1], [4, 8, 1]), ([8, 4, 1], [4, 4, 1]), ([8, 20, 1], [4, 10, 1])] {
+        case.mesh.divisions = Some(given);
+        let model = part_of(&case, 1.0, &effects::catalogue()).expect("a model");
+        assert_eq!(model.case.mesh.divisions, Some(coarse));
+    }
+}
+
 #[test]
 fn a_start_is_the_records_whatever_the_file_says() {
     let folder = recorded();

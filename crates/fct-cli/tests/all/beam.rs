@@ -74,7 +74,7 @@ fn a_start_from_which_the_record_cannot_be_followed_is_mended() -> Tested {
 
 /// All start values ten times as large, and a tenth.
 #[test]
-#[ignore = "slow: run by `just slow`; fails: from ten times the search ends 4 of χ² above the least, in a valley, beside the truth"]
+#[ignore = "slow: run by `just slow`"]
 fn a_start_ten_times_off_ends_at_the_truth() -> Tested {
     let folder = recorded()?;
     let mut ends = Vec::new();

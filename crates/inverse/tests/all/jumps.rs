@@ -115,3 +115,20 @@ fn a_search_that_begins_amiss_looks_around_first() {
     let out = expecting(0.4 * begun);
     assert!(out.f < 0.1 * alone.f && out.theta[0] > 1.0, "{} at {:?}", out.f, out.theta);
 }
+
+/// A start beyond the jump, but far off: steps lead on, and go on as if nothing else had been expected.
+#[test]
+fn a_search_that_begins_far_off_and_finds_its_way_does_not_look_around() {
+    let from = |expected: f64| {
+        let values = (0..POINTS).map(|i| at(i) * (1.0 - 0.2 * at(i).powi(2))).collect();
+        let data = Data::from_parts([("pull".to_owned(), values, NoiseModel::white(NOISE))]).expect("data");
+        let free = [Free::new("c", (0.1, 10.0), Transform::Log, 5.0)];
+        let poll = Some(Poll { expected, ..Poll::each(3.0, 1) });
+        let options = FitOptions { objective: Objective::Record, poll, ..FitOptions::default() };
+        fit(&Breaks, &data, &free, &options, &mut |_| ControlFlow::Continue(())).expect("a fit")
+    };
+    let (alone, expecting) = (from(f64::INFINITY), from(1.0));
+    assert!((alone.theta[0] - (0.3f64 / 0.2).sqrt()).abs() < 1e-3, "{:?}", alone.theta);
+    assert!(alone.history[0].f > Some(2.0), "{:?}", alone.history[0]);
+    assert_eq!((expecting.theta, expecting.forward_runs), (alone.theta, alone.forward_runs));
+}
