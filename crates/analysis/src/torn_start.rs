@@ -1,14 +1,16 @@
 //! Where a search of a torn record begins, if its file gives the mesh by divisions or each area its own values. Where there
-//! is no intact strip's record, or the tear cannot be followed with the file's values, a few starts are what the record
-//! itself tells, each fitted on a coarse mesh; the file's own values are one more. Stiffness comes from the record's very beginning, toughness from its work, strength from its peak force: what
-//! the file says of these is one start among others.
+//! is no intact strip's record, or the tear cannot be followed with the file's values, the starts are what the record itself
+//! tells, each fitted on a coarse mesh: stiffness from its very beginning, with a path that holds; then, of paths whose
+//! toughness and strength are told by its work and its peak force, the one that misses it least. The file's own values are one
+//! start more.
 
 use crate::data::Measured;
-use crate::identify::{AnalysisError, Stage, Work, coarser};
+use crate::identify::{AnalysisError, Stage, TRIAL_BUDGET, Work, coarser};
 use crate::start::{START_NOISE, Start, from_record};
 use input::{Case, Record};
 use inverse::{FitError, PredictError, Problem as _};
 use model::{Catalogue, Model, Site};
+use params::Quantity;
 use std::sync::Arc;
 
 /// Parts of the largest displacement that count as the beginning. What a straight beam tells in the first, tissue that stiffens
@@ -18,9 +20,21 @@ const BEGINNINGS: [f64; 5] = [0.03, 0.06, 0.12, 0.25, 0.5];
 /// χ² per point, at a start's noise, up to which the bulk alone explains a beginning.
 const EXPLAINED: f64 = 2.0;
 
-/// Strengths as multiples of the record's: a strip that bends is far stronger than its peak force over its ligament. A weak
-/// path tears over a long zone, which every mesh resolves.
-const STRONGER: [f64; 3] = [1.0, 8.0, 64.0];
+/// Strength, as a multiple of the record's, of a path that holds while the bulk is found: a strip that bends is far stronger
+/// than its peak force over its ligament, and a path that is as weak as that leaves no compliance to the bulk.
+const HOLDS: f64 = 64.0;
+
+/// Shares of that bulk's stiffness from which a fit begins: what a record's beginning tells is little, and a strip that is too
+/// stiff tears through.
+const STIFFNESSES: [f64; 3] = [1.0, 0.5, 0.25];
+
+/// Strengths and toughnesses, as multiples of the record's, among which a path is looked for. A weak path tears over a long
+/// zone, which every mesh resolves; what the bulk takes of the work leaves less to the path.
+const STRENGTHS: [f64; 4] = [1.0, 4.0, 16.0, 64.0];
+const TOUGHNESSES: [f64; 2] = [1.0, 0.5];
+
+/// Newton iterations that a smooth tear needs.
+const SMOOTH_BUDGET: usize = TRIAL_BUDGET / 5;
 
 /// Elements along the pull that a coarse mesh keeps. An arm that bends through one or two is too stiff, and what is fitted with
 /// it is no start for the given mesh.
@@ -61,7 +75,13 @@ pub(crate) fn torn_starts(
     }
     let theta_of_work = std::mem::replace(&mut work.theta, given.clone());
     (work.coarse_noise, work.by_record) = (START_NOISE, true);
-    let found = candidates(case, catalogue, &model, missed_by_given, work);
+    // What tears in many jumps is no good start, and takes many times as long.
+    work.budget = SMOOTH_BUDGET;
+    let mut found = candidates(case, catalogue, &model, missed_by_given, work);
+    work.budget = TRIAL_BUDGET;
+    if found.as_ref().is_ok_and(Vec::is_empty) {
+        found = candidates(case, catalogue, &model, missed_by_given, work);
+    }
     (work.coarse_noise, work.by_record) = (0.0, false);
     work.theta = theta_of_work;
     let mut found = found?;
@@ -85,42 +105,80 @@ fn candidates(
     work: &mut Work,
 ) -> Result<Vec<Candidate>, AnalysisError> {
     let path = model.free_on(Site::Interface);
-    let mut found = Vec::new();
-    for stronger in STRONGER {
-        work.theta = model.theta();
-        path_by_record(model, from_record(case), stronger, &mut work.theta);
-        stiffness(case, catalogue, work)?;
-        found.extend(path_from_there(model, &path, work)?);
+    work.theta = model.theta();
+    path_by_record(model, from_record(case), (1.0, HOLDS), &mut work.theta);
+    stiffness(case, catalogue, work)?;
+    let (bulk, mut found) = (work.theta.clone(), Vec::new());
+    for share in STIFFNESSES {
+        work.theta.clone_from(&bulk);
+        soften(model, share, &mut work.theta);
+        if looked_for(model, from_record(case), work)? {
+            found.extend(fitted(model, Stage::Joint, &model.free(), work)?);
+        }
     }
     let Some(by_given) = missed_by_given else { return Ok(found) };
     let best = found.iter().min_by(|a, b| a.0.total_cmp(&b.0));
     let by_best = best.map(|(_, theta)| missed(model, theta, work)).transpose()?.flatten();
     if by_best.is_none_or(|m| by_given < AS_GOOD * m) {
         work.theta = model.theta();
-        found.extend(path_from_there(model, &path, work)?);
+        found.extend(fitted(model, Stage::Interface, &path, work)?);
     }
     Ok(found)
 }
 
-/// The path fitted to the records from the present values; `None` where they are no start.
-fn path_from_there(
+/// Fitted to the records from the present values, which it moves; `None` where they are no start.
+fn fitted(
     model: &Model,
-    path: &[usize],
+    stage: Stage,
+    free: &[usize],
     work: &mut Work,
 ) -> Result<Option<Candidate>, AnalysisError> {
-    match work.stage(model, Stage::Interface, path, &model.recorded(), true) {
+    match work.stage(model, stage, free, &model.recorded(), true) {
         Ok(f) => Ok(Some((f, work.theta.clone()))),
         Err(AnalysisError::Fit(FitError::Start(PredictError::NotComputable(_)))) => Ok(None),
         Err(e) => Err(e),
     }
 }
 
-/// Toughness and strength along the path as the record tells them.
-fn path_by_record(model: &Model, (gc, sigma_c): (f64, f64), stronger: f64, theta: &mut [f64]) {
+/// Takes the path that misses the records least; whether one can be followed. A fit from a path that is far off ends at the
+/// first jump of its tear.
+fn looked_for(model: &Model, from: (f64, f64), work: &mut Work) -> Result<bool, AnalysisError> {
+    let mut best: Option<Candidate> = None;
+    for (tougher, stronger) in TOUGHNESSES.iter().flat_map(|t| STRENGTHS.map(|s| (*t, s))) {
+        let mut theta = work.theta.clone();
+        path_by_record(model, from, (tougher, stronger), &mut theta);
+        if let Some(m) = missed(model, &theta, work)?
+            && best.as_ref().is_none_or(|b| m < b.0)
+        {
+            best = Some((m, theta));
+        }
+    }
+    let Some((_, theta)) = best else { return Ok(false) };
+    work.theta = theta;
+    Ok(true)
+}
+
+/// A bulk of a share of its stiffness.
+fn soften(model: &Model, share: f64, theta: &mut [f64]) {
+    for i in model.free_on(Site::Bulk) {
+        let spec = &model.parameters[i].spec;
+        if spec.quantity == Quantity::Stress {
+            theta[i] = (share * theta[i]).clamp(spec.lower, spec.upper);
+        }
+    }
+}
+
+/// So many times the toughness and strength along the path that the record tells.
+fn path_by_record(
+    model: &Model,
+    (gc, sigma_c): (f64, f64),
+    (tougher, stronger): (f64, f64),
+    theta: &mut [f64],
+) {
     for (i, p) in model.parameters.iter().enumerate().filter(|(_, p)| p.free) {
         let value = match p.path.rsplit_once('.') {
             Some((_, "sigma_c")) => stronger * sigma_c,
-            Some((_, "gc")) => gc,
+            Some((_, "gc")) => tougher * gc,
             _ => continue,
         };
         theta[i] = value.clamp(p.spec.lower, p.spec.upper);

@@ -63,6 +63,8 @@ pub(crate) struct Work<'a> {
     pub coarse_noise: f64,
     /// Whether a start is sought that owes nothing to what the file says: no prior is around that.
     pub by_record: bool,
+    /// Newton iterations after which a trial run is given up.
+    pub budget: usize,
     pub(super) starts: Option<String>,
     /// Whether there is a coarse mesh to begin on.
     pub(super) coarse_level: bool,
@@ -100,6 +102,7 @@ impl<'a> Work<'a> {
             literature: case.identify.priors.literature.unwrap_or(false),
             coarse_noise: 0.0,
             by_record: false,
+            budget: TRIAL_BUDGET,
             starts: None,
             coarse_level: false,
             tear_left: TearMisfit::default(),
@@ -123,7 +126,7 @@ impl<'a> Work<'a> {
     {
         let cancelled = self.control.cancelled;
         let mut problem = FeProblem::new(model, theta.to_vec(), free.to_vec(), slots, options, cancelled);
-        problem.options.stepping.budget = TRIAL_BUDGET;
+        problem.options.stepping.budget = self.budget;
         let newton = &mut problem.options.stepping.newton;
         newton.tolerance = newton.tolerance.max(SEARCH_TOLERANCE);
         problem

@@ -26,8 +26,12 @@ fn on_its_mesh(case: &Arc<Case>) -> Model {
     Model::new(case.clone(), &effects::catalogue(), Discretisation::default()).expect("a model")
 }
 
-/// A folder with the record of the strip as it is.
+/// A folder with the record of the strip as it is, on its own mesh.
 fn recorded() -> tempfile::TempDir {
+    recorded_on([8, 8, 1])
+}
+
+fn recorded_on(divisions: [usize; 3]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let write = |force: &dyn Fn(usize) -> f64| {
         let mut rows = String::from("time_s,displacement_mm,force_N\n");
@@ -37,7 +41,9 @@ fn recorded() -> tempfile::TempDir {
         std::fs::write(folder.path().join("tearing.csv"), rows).expect("a record");
     };
     write(&|i| 0.01 * i as f64);
-    let case = strip(folder.path(), 1.0, 1);
+    let mut case = (*strip(folder.path(), 1.0, 1)).clone();
+    case.mesh.divisions = Some(divisions);
+    let case = Arc::new(case);
     let model = on_its_mesh(&case);
     let slots = [crate::DataBlock { test: 0, channel: Channel::Force, rows: (0..30).collect() }];
     let problem = FeProblem::new(&model, model.theta(), Vec::new(), &slots, run_options(&case), &|| false);
@@ -52,7 +58,8 @@ fn first_start(case: &Arc<Case>) -> Option<Vec<f64>> {
     let model = on_its_mesh(case);
     let mut work = Work::new(case, model.theta(), run_options(case), &control);
     let starts = torn_starts(case, &effects::catalogue(), &mut work).expect("runs");
-    assert_eq!((&work.theta, work.coarse_noise, work.by_record), (&model.theta(), 0.0, false));
+    let left = (&work.theta, work.coarse_noise, work.by_record, work.budget);
+    assert_eq!(left, (&model.theta(), 0.0, false, TRIAL_BUDGET));
     starts.map(|s| s[0].spread_from(&model, &model.theta()))
 }
 
@@ -74,16 +81,23 @@ fn a_start_is_the_records_whatever_the_file_says() {
     for times in [0.1, 10.0] {
         let case = strip(folder.path(), times, 1);
         let (model, start) = (on_its_mesh(&case), first_start(&case).expect("a start"));
-        for (path, truth) in [("interface.area[1].gc", 0.03), ("interface.area[1].sigma_c", 0.06)] {
+        let truth = [
+            ("bulk.mu", 6e-3),
+            ("bulk.k1", 0.3),
+            ("interface.area[1].gc", 0.03),
+            ("interface.area[1].sigma_c", 0.06),
+        ];
+        for (path, truth) in truth {
             let ratio = start[model.find(path).expect("a parameter")] / truth;
             assert!((0.7..1.4).contains(&ratio), "{path} is {ratio} times the strip's, from {times} times");
         }
     }
 }
 
+/// The record is of the mesh on which starts are told apart.
 #[test]
 fn a_file_that_says_it_better_than_the_record_is_kept_to() {
-    let case = strip(recorded().path(), 1.0, 1);
+    let case = strip(recorded_on([4, 8, 1]).path(), 1.0, 1);
     let (model, start) = (on_its_mesh(&case), first_start(&case).expect("a start"));
     let bulk = model.free_on(Site::Bulk);
     assert!(!bulk.is_empty() && bulk.iter().all(|&i| start[i] == model.theta()[i]), "{start:?}");
@@ -92,4 +106,28 @@ fn a_file_that_says_it_better_than_the_record_is_kept_to() {
 #[test]
 fn values_of_each_area_with_which_the_record_can_be_followed_are_the_start() {
     assert_eq!(first_start(&strip(recorded().path(), 1.0, 2)), None);
+}
+
+#[test]
+fn a_softer_bulk_is_softer_by_its_stresses() {
+    let case = strip(recorded().path(), 1.0, 1);
+    let model = on_its_mesh(&case);
+    let mut theta = model.theta();
+    soften(&model, 0.25, &mut theta);
+    for (i, p) in model.parameters.iter().enumerate() {
+        let share = if ["bulk.mu", "bulk.k1"].contains(&p.path.as_str()) { 0.25 } else { 1.0 };
+        assert_eq!(theta[i], share * model.theta()[i], "{}", p.path);
+    }
+}
+
+#[test]
+fn of_the_paths_that_a_record_tells_the_one_that_misses_it_least_is_taken() {
+    let case = strip(recorded().path(), 1.0, 1);
+    let control = Control { progress: &|_| (), cancelled: &|| false, journal: &NoJournal };
+    let model = on_its_mesh(&case);
+    let mut work = Work::new(&case, model.theta(), run_options(&case), &control);
+    // A strength of the strip's is 4 times this, its toughness half of that.
+    assert!(looked_for(&model, (0.06, 0.015), &mut work).expect("runs"));
+    let at = |path: &str| work.theta[model.find(path).expect("a parameter")];
+    assert_eq!((at("interface.area[1].gc"), at("interface.area[1].sigma_c")), (0.03, 0.06));
 }
