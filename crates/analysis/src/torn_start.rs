@@ -108,12 +108,14 @@ fn candidates(
     work.theta = model.theta();
     path_by_record(model, from_record(case), (1.0, HOLDS), &mut work.theta);
     stiffness(case, catalogue, work)?;
+    // What the record tells of effects their own fits find.
+    let both: Vec<usize> = [model.free_on(Site::Bulk), path.clone()].concat();
     let (bulk, mut found) = (work.theta.clone(), Vec::new());
     for share in STIFFNESSES {
         work.theta.clone_from(&bulk);
         soften(model, share, &mut work.theta);
         if looked_for(model, from_record(case), work)? {
-            found.extend(fitted(model, Stage::Joint, &model.free(), work)?);
+            found.extend(fitted(model, Stage::Joint, &both, work)?);
         }
     }
     let Some(by_given) = missed_by_given else { return Ok(found) };
