@@ -168,7 +168,7 @@ pub(crate) fn for_case(
     catalogue: &Catalogue,
     options: model::RunOptions,
     control: &crate::Control,
-) -> Result<Option<Start>, AnalysisError> {
+) -> Result<Option<Arc<Start>>, AnalysisError> {
     let fine = Model::new(case.clone(), catalogue, Discretisation::default())?;
     let mut work = Work::new(case, fine.theta(), options, control);
     work.literature = case.identify.priors.literature.unwrap_or(true);
@@ -183,10 +183,14 @@ pub(crate) fn find(
     catalogue: &Catalogue,
     work: &mut Work,
     list: &[StagePlan],
-) -> Result<Option<Vec<Start>>, AnalysisError> {
+) -> Result<Option<Vec<Arc<Start>>>, AnalysisError> {
     match one_area(case, catalogue, work, list)? {
-        Some(levels) => Ok(Some(levels)),
-        None => crate::torn_start::torn_starts(case, catalogue, work),
+        Some(levels) => Ok(Some(levels.into_iter().map(Arc::new).collect())),
+        None => {
+            let found = crate::torn_start::torn_starts(case, catalogue, work)?;
+            work.torn = found.iter().flatten().cloned().collect();
+            Ok(found)
+        }
     }
 }
 

@@ -53,7 +53,7 @@ pub(crate) fn torn_starts(
     case: &Arc<Case>,
     catalogue: &Catalogue,
     work: &mut Work,
-) -> Result<Option<Vec<Start>>, AnalysisError> {
+) -> Result<Option<Vec<Arc<Start>>>, AnalysisError> {
     let by_area = case.interface.gc.len() > 1 || case.interface.sigma_c.len() > 1;
     // What a start has to tell is told by one area; where many stand, the fit on all of them finds.
     let mut simple = (**case).clone();
@@ -77,7 +77,10 @@ pub(crate) fn torn_starts(
     (work.coarse_noise, work.by_record) = (START_NOISE, true);
     // What tears in many jumps is no good start, and takes many times as long.
     work.budget = SMOOTH_BUDGET;
-    let mut found = candidates(case, catalogue, &model, missed_by_given, work);
+    let mut found = fitted_from_known(&model, work);
+    if found.as_ref().is_ok_and(Vec::is_empty) {
+        found = candidates(case, catalogue, &model, missed_by_given, work);
+    }
     work.budget = TRIAL_BUDGET;
     if found.as_ref().is_ok_and(Vec::is_empty) {
         found = candidates(case, catalogue, &model, missed_by_given, work);
@@ -88,9 +91,20 @@ pub(crate) fn torn_starts(
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     let least = found.first().map_or(f64::INFINITY, |f| f.0);
     let near = found.into_iter().filter(|f| f.0 <= NEAR * least).take(2);
-    let starts = near.map(|(_, theta)| Ok(Start { theta, model: part_of(case, 1.0, catalogue)? }));
-    let starts: Vec<Start> = starts.collect::<Result<_, AnalysisError>>()?;
+    let starts = near.map(|(_, theta)| Ok(Arc::new(Start { theta, model: part_of(case, 1.0, catalogue)? })));
+    let starts: Vec<Arc<Start>> = starts.collect::<Result<_, AnalysisError>>()?;
     Ok(Some(starts).filter(|s| !s.is_empty()))
+}
+
+/// Bulk and path from where they stood without the effects that this model has more.
+fn fitted_from_known(model: &Model, work: &mut Work) -> Result<Vec<Candidate>, AnalysisError> {
+    let both: Vec<usize> = [model.free_on(Site::Bulk), model.free_on(Site::Interface)].concat();
+    let mut found = Vec::new();
+    for start in work.again.starts {
+        work.theta = start.spread_from(model, &model.theta());
+        found.extend(fitted(model, Stage::Joint, &both, work)?);
+    }
+    Ok(found)
 }
 
 /// Values with what they miss, by the objective at a start's noise.

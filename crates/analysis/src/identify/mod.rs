@@ -14,12 +14,13 @@ mod work;
 pub(crate) use poll::{FAR, poll};
 pub(crate) use search::{StagePlan, stages};
 pub use work::free_parameters;
-pub(crate) use work::{SEARCH_TOLERANCE, TRIAL_BUDGET, Work, fewer_steps, runs_as_long};
+pub(crate) use work::{Again, SEARCH_TOLERANCE, TRIAL_BUDGET, Work, fewer_steps, runs_as_long};
 
 use crate::data::{Measured, RecordError};
 use crate::held_out::{HeldOut, held_out};
 use crate::journal::{Journal, Recent};
 use crate::problem::Cancelled;
+use crate::start::Start;
 use input::Case;
 use inverse::{Fit, FitError, Free, Iterate, Noise, PredictError, Quality, Uncertainty, Whitened};
 use model::cost::Purpose;
@@ -184,7 +185,7 @@ pub fn identify(
     let measured = Measured::of(&models.fine, &models.fine.recorded())?;
     let recent = Recent::new(control.journal);
     let control = &Control { journal: &recent, ..*control };
-    let (work, list) = models.search(&case, catalogue, control)?;
+    let (work, list) = models.search(&case, catalogue, control, Again::default())?;
     let Models { fine, coarse, cheap } = models;
     work.finish(fine, (coarse, cheap), measured, &list, catalogue)
 }
@@ -197,6 +198,8 @@ pub(crate) struct Searched {
     pub joint: bool,
     /// Where all parameters together ended, if that was tried and did not help enough to be the answer.
     pub beside: Option<Vec<f64>>,
+    /// Where it began, if that is where the record of a tear had to tell.
+    pub torn: Vec<Arc<Start>>,
     /// Forward runs.
     pub runs: usize,
 }
@@ -206,13 +209,14 @@ pub(crate) fn searched(
     case: &Arc<Case>,
     catalogue: &Catalogue,
     control: &Control,
+    again: Again,
 ) -> Result<Searched, AnalysisError> {
     let models = Models::of(case, catalogue)?;
     let recent = Recent::new(control.journal);
     let control = &Control { journal: &recent, ..*control };
-    let (work, list) = models.search(case, catalogue, control)?;
+    let (work, list) = models.search(case, catalogue, control, again)?;
     let joint = list.last().is_some_and(|l| l.0 == Stage::Joint);
-    Ok(Searched { joint, runs: work.runs, theta: work.theta, beside: work.beside })
+    Ok(Searched { joint, runs: work.runs, theta: work.theta, beside: work.beside, torn: work.torn })
 }
 
 /// One case on the meshes of a search.
@@ -234,9 +238,11 @@ impl Models {
         case: &'a Arc<Case>,
         catalogue: &Catalogue,
         control: &'a Control<'a>,
+        again: Again<'a>,
     ) -> Result<(Work<'a>, Vec<StagePlan>), AnalysisError> {
         let options = run_options(case);
         let mut work = Work::new(case, self.fine.theta(), options, control);
+        work.again = again;
         if self.cheap.is_some() {
             work.search = fewer_steps(options);
         }

@@ -56,8 +56,13 @@ impl Work<'_> {
             // tear jump, and a jump tells the search nothing.
             initial_damping: if stage == Stage::Bulk { 1e-3 } else { 3e-2 },
             max_step: if stage == Stage::Bulk { 1.5 } else { 0.5 },
-            // Of several starts the best counts: none is worth a look around.
-            poll: (!self.by_record).then(|| Poll { expected: self.expected, ..super::poll(list) }),
+            // Of several starts the best counts: none is worth a look around. Nor is the coarse mesh's, where another way
+            // ended: that is known on the given one.
+            poll: (!self.by_record && !(coarse && self.again.below.is_finite())).then(|| Poll {
+                expected: self.expected,
+                below: self.again.below,
+                ..super::poll(list)
+            }),
             ..FitOptions::default()
         }
     }

@@ -5,10 +5,12 @@ use super::{AnalysisError, Control, HistoryEntry, Progress, Stage};
 use crate::data::Measured;
 use crate::journal::{Asked, remembered};
 use crate::problem::FeProblem;
+use crate::start::Start;
 use input::Case;
 use inverse::{Fit, FitError, Free, Iterate, MappedOptions, MultiStart, StopReason};
 use model::{Model, RunOptions};
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 /// Half the load steps: the cubic through them carries the curve to 1e-5 of the peak (docs/decisions/load-steps.md).
 pub(crate) fn fewer_steps(mut options: RunOptions) -> RunOptions {
@@ -35,6 +37,21 @@ pub(crate) const SEARCH_TOLERANCE: f64 = 1e-7;
 
 /// Newton iterations a trial run may take: about five times what a smooth tear needs.
 pub(crate) const TRIAL_BUDGET: usize = 2500;
+
+/// What is known where the same records were searched by a model with fewer effects.
+#[derive(Clone, Copy)]
+pub(crate) struct Again<'a> {
+    /// Where that search began.
+    pub starts: &'a [Arc<Start>],
+    /// Objective that this model came to by another way.
+    pub below: f64,
+}
+
+impl Default for Again<'_> {
+    fn default() -> Self {
+        Self { starts: &[], below: f64::INFINITY }
+    }
+}
 
 pub(crate) struct Work<'a> {
     pub theta: Vec<f64>,
@@ -65,6 +82,10 @@ pub(crate) struct Work<'a> {
     pub by_record: bool,
     /// Newton iterations after which a trial run is given up.
     pub budget: usize,
+    /// What an earlier search knows.
+    pub again: Again<'a>,
+    /// Where this search began, if that is where the record of a tear had to tell.
+    pub torn: Vec<Arc<Start>>,
     pub(super) starts: Option<String>,
     /// Whether there is a coarse mesh to begin on.
     pub(super) coarse_level: bool,
@@ -103,6 +124,8 @@ impl<'a> Work<'a> {
             coarse_noise: 0.0,
             by_record: false,
             budget: TRIAL_BUDGET,
+            again: Again::default(),
+            torn: Vec::new(),
             starts: None,
             coarse_level: false,
             tear_left: TearMisfit::default(),

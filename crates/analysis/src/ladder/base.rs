@@ -4,7 +4,7 @@ use super::settle::{Begun, FineStates, ROUNDS};
 use super::{FeLadder, Fitted, LadderSettings};
 use crate::columns::transfer;
 use crate::cost::Phase;
-use crate::identify::{AnalysisError, Searched, searched};
+use crate::identify::{Again, AnalysisError, Searched, searched};
 use input::Case;
 use model::{Discretisation, Model};
 use std::sync::Arc;
@@ -24,9 +24,10 @@ impl<'a> FeLadder<'a> {
     /// [`AnalysisError`].
     pub fn weighing(case: Arc<Case>, how: LadderSettings<'a>) -> Result<Self, AnalysisError> {
         let (mut ladder, model) = Self::prepared(case, how)?;
-        let found = ladder.identify(&ladder.fine_case, "base model")?;
+        let found = ladder.identify(&ladder.fine_case, "base model", f64::INFINITY)?;
         let begun = ladder.begun_at(model, &found.theta)?;
         ladder.cancelled.phase(Phase::Base);
+        ladder.torn = found.torn;
         let (mut base, mut states) = ladder.settle(begun, None, 0)?.ok_or_else(no_answer)?;
         if !found.joint && ladder.fine_case.identify.max_iterations > 0 {
             let begun = ladder.begun_together(&base, &states, found.beside.as_deref())?;
@@ -68,8 +69,14 @@ impl<'a> FeLadder<'a> {
         self
     }
 
-    /// The values that `fct identify` of a file finds.
-    pub(super) fn identify(&self, case: &Arc<Case>, name: &str) -> Result<Searched, AnalysisError> {
+    /// The values that `fct identify` of a file finds; where the base began at what the record of a tear tells, that is not
+    /// asked again. What does not come below an objective is of no use.
+    pub(super) fn identify(
+        &self,
+        case: &Arc<Case>,
+        name: &str,
+        below: f64,
+    ) -> Result<Searched, AnalysisError> {
         let say = self.progress;
         let shown = |p: &crate::Progress| {
             let objective = p.iterate.f.map_or("no answer".into(), |f| format!("objective {f:.4e}"));
@@ -77,7 +84,7 @@ impl<'a> FeLadder<'a> {
             say(&format!("{name}, {}{mesh}: iteration {}, {objective}", p.stage.word(), p.iterate.iteration));
         };
         let control = crate::Control { progress: &shown, cancelled: self.cancelled, journal: self.journal };
-        let found = searched(case, self.catalogue, &control)?;
+        let found = searched(case, self.catalogue, &control, Again { starts: &self.torn, below })?;
         self.runs.fetch_add(found.runs, Ordering::Relaxed);
         Ok(found)
     }

@@ -45,6 +45,12 @@ impl FeLadder<'_> {
     /// Values of a model that a search from the record alone would begin with, by a case of the same laws.
     pub(super) fn start_by_record(&self, case: &Arc<Case>, model: &Model) -> Result<Vec<f64>, AnalysisError> {
         let mut theta = model.theta();
+        // What the record tells of bulk and path is the base's start, whatever else a model has.
+        let laws = |c: &Case| (c.bulk.law.clone(), c.interface.law.clone());
+        if let Some(start) = self.torn.first().filter(|_| laws(case) == laws(&self.case)) {
+            start::spread(model, start, &mut theta);
+            return Ok(theta);
+        }
         let say = self.progress;
         let shown = |p: &crate::Progress| {
             let objective = p.iterate.f.map_or("no answer".into(), |f| format!("objective {f:.4e}"));

@@ -34,6 +34,7 @@ use crate::data::Measured;
 use crate::identify::{AnalysisError, coarser, fewer_steps, run_options};
 use crate::journal::Journal;
 use crate::problem::Cancelled;
+use crate::start::Start;
 use crate::weigh::Known;
 use diagnose::{Candidate, FittedModel, Policy, Screen};
 use input::Case;
@@ -90,6 +91,8 @@ pub struct FeLadder<'a> {
     identified: Option<Fitted>,
     /// Values that the base's fit began with.
     first: Vec<f64>,
+    /// Where the base's search began, if that is where the record of a tear had to tell.
+    torn: Vec<Arc<Start>>,
     /// The objective of a model that leaves noise alone: fits that cannot come near it are dropped.
     leader: Option<f64>,
     /// What the models say of the records, as far as it was asked.
@@ -128,6 +131,7 @@ impl<'a> FeLadder<'a> {
             screens: BTreeMap::new(),
             identified: None,
             first: Vec::new(),
+            torn: Vec::new(),
             leader: None,
             known: Mutex::default(),
             brief: false,

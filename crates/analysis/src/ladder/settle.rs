@@ -101,7 +101,7 @@ impl FeLadder<'_> {
         (case.effects, case.bulk, case.interface) = (found.effects, found.bulk, found.interface);
         let case = Arc::new(case);
         let name = named(&self.parts_of(&f.model));
-        let theta = match self.identify(&case, &name) {
+        let theta = match self.identify(&case, &name, f.fit.f) {
             Ok(found) => found.theta,
             Err(e) if self.cancelled.stops() => return Err(e),
             Err(_) => return Ok(None),
