@@ -81,3 +81,27 @@ impl Work<'_> {
         MappedOptions { outer: outer.clone(), inner, settled: near.settled, ratio, radius: near.radius }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::Again;
+    use crate::ladder::tests::unexplained;
+    use crate::{Control, NoJournal};
+
+    /// Where another way ended, a search looks around below that alone, and on the given mesh alone.
+    #[test]
+    fn a_search_beside_a_better_one_does_not_look_around() {
+        let catalogue = effects::catalogue();
+        let ladder = unexplained(&catalogue);
+        let control = Control { progress: &|_| (), cancelled: &|| false, journal: &NoJournal };
+        let below = |coarse: bool, below: f64| {
+            let mut work = Work::new(ladder.case(), Vec::new(), crate::run_options(ladder.case()), &control);
+            work.again = Again { starts: &[], below };
+            work.fit_options(Stage::Joint, coarse, &[]).poll.map(|p| p.below)
+        };
+        let none = f64::INFINITY;
+        assert_eq!([below(true, none), below(false, none)], [Some(none); 2]);
+        assert_eq!([below(true, 7.0), below(false, 7.0)], [None, Some(7.0)]);
+    }
+}

@@ -280,6 +280,29 @@ mod tests {
         assert_eq!(held_against(&ladder, &sets[1]), (None, about(base)));
     }
 
+    /// Where the base's search began, an effect's second fit begins; a model of another law asks the record itself.
+    #[test]
+    fn what_the_record_told_of_bulk_and_path_is_the_start_of_every_effect() {
+        let catalogue = effects::catalogue();
+        let ladder = unexplained(&catalogue);
+        let with = |law: Option<&str>| {
+            let effect = crate::columns::config_of(catalogue.get("mullins").expect("an effect"), &[1.5, 0.5]);
+            let mut case = crate::columns::case_with(&ladder.case, &[effect]);
+            if let Some(law) = law {
+                case = crate::ladder::laws::with_law(&case, &catalogue, input::LawSite::Interface, law);
+            }
+            let model = Model::new(Arc::new(case.clone()), &catalogue, ladder.how).expect("a model");
+            let begun = ladder.start_by_record(&Arc::new(case), &model).expect("a start");
+            let mut base = model.theta();
+            start::spread(&model, &ladder.torn[0], &mut base);
+            (begun, base)
+        };
+        let (begun, base) = with(None);
+        assert_eq!(begun, base);
+        let (begun, base) = with(Some("bilinear"));
+        assert_ne!(begun, base);
+    }
+
     #[test]
     fn every_run_of_a_fit_is_told() {
         let run = |f, accepted| Iterate { iteration: 1, f, theta: Vec::new(), accepted, damping: 0.0 };

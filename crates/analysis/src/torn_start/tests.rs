@@ -3,8 +3,10 @@
 use super::*;
 use crate::{Control, FeProblem, NoJournal, run_options};
 use model::{Channel, Discretisation};
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::Path;
+use std::sync::Mutex;
 
 /// A strip that tears, its stiffness, toughness and strength so many times what its record was made with; with more than one
 /// area each has a toughness of its own.
@@ -50,6 +52,19 @@ fn recorded_on(divisions: [usize; 3]) -> tempfile::TempDir {
     let values = problem.predict(&[], false).expect("a run").values;
     write(&|i| values[i]);
     folder
+}
+
+/// What a search of a case's record says, from what is known.
+fn starts_of(case: &Arc<Case>, known: &[Arc<Start>]) -> (Vec<Arc<Start>>, BTreeSet<&'static str>) {
+    let stages = Mutex::new(BTreeSet::new());
+    let progress = |p: &crate::Progress| {
+        stages.lock().expect("stages").insert(p.stage.word());
+    };
+    let control = Control { progress: &progress, cancelled: &|| false, journal: &NoJournal };
+    let mut work = Work::new(case, on_its_mesh(case).theta(), run_options(case), &control);
+    work.again = crate::identify::Again { starts: known, below: f64::INFINITY };
+    let starts = torn_starts(case, &effects::catalogue(), &mut work).expect("runs").expect("a start");
+    (starts, stages.into_inner().expect("stages"))
 }
 
 /// The first start of a case, on its own mesh.
@@ -136,4 +151,23 @@ fn of_the_paths_that_a_record_tells_the_one_that_misses_it_least_is_taken() {
     assert!(looked_for(&model, (0.06, 0.015), &mut work).expect("runs"));
     let at = |path: &str| work.theta[model.find(path).expect("a parameter")];
     assert_eq!((at("interface.area[1].gc"), at("interface.area[1].sigma_c")), (0.03, 0.06));
+}
+
+/// Where a base's search began, the same record's with an effect begins; nothing but the fit of bulk and path is made again.
+#[test]
+fn what_a_record_told_once_is_not_asked_again() {
+    let folder = recorded();
+    let case = strip(folder.path(), 10.0, 1);
+    let (known, stages) = starts_of(&case, &[]);
+    assert_eq!(stages, BTreeSet::from(["bulk", "joint"]));
+    let file = folder.path().join("c.toml");
+    let text = std::fs::read_to_string(&file).expect("a config") + "[effects.gain]\ng = 0.25\n";
+    std::fs::write(&file, text).expect("a config");
+    let stronger = Arc::new(input::read_case(&file, &effects::catalogue()).expect("a case"));
+    let (found, stages) = starts_of(&stronger, &known);
+    assert_eq!(stages, BTreeSet::from(["joint"]));
+    // A sensor that shows a quarter too much has a path that is weaker by that.
+    let at = |s: &Start| s.theta[s.model.find("interface.area[1].gc").expect("a toughness")];
+    let ratio = at(&found[0]) / at(&known[0]);
+    assert!((ratio - 0.8).abs() < 0.04, "{ratio}");
 }
