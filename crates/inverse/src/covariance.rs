@@ -110,22 +110,11 @@ pub(crate) fn uncertainty_with(
     for (row, &k) in open.iter().enumerate() {
         directions.row_mut(k).copy_from(&v.row(row));
     }
+    let raw = |noise: Noise| Whitened::new(data, free, theta, &fit.prediction, noise);
     let inner = match fit.objective {
         Objective::Whitened => inverse_gram(&singular_values, &v, rule.null),
-        Objective::Record => {
-            let raw = Whitened::new(data, free, theta, &fit.prediction, Noise::Record);
-            sandwich(&raw, &open, &scales, rule.null, 1.0, |columns| {
-                columns.clone() + numerical(data, &raw, columns)
-            })
-        }
-        Objective::PaperSum => {
-            let raw = Whitened::new(data, free, theta, &fit.prediction, Noise::None);
-            sandwich(&raw, &open, &scales, rule.null, data.mean_sd(), |columns| {
-                let times = |k| data.covariance_times(&raw.rows, &columns.column(k).into_owned());
-                let all: Vec<_> = (0..columns.ncols()).map(times).collect();
-                if all.is_empty() { columns.clone() } else { DMatrix::from_columns(&all) }
-            })
-        }
+        Objective::Record => of_record(data, &raw(Noise::Record), &open, &scales, rule.null),
+        Objective::PaperSum => of_paper_sum(data, &raw(Noise::None), &open, &scales, rule.null),
     };
     let mut covariance_z = DMatrix::zeros(p, p);
     for (a, &i) in open.iter().enumerate() {
@@ -160,6 +149,20 @@ pub(crate) fn uncertainty_with(
         })
         .collect();
     Ok(out)
+}
+
+/// Scaled covariance of the open parameters where the mesh's own error was not in the weights.
+fn of_record(data: &Data, raw: &Whitened, open: &[usize], scales: &[f64], null: f64) -> DMatrix<f64> {
+    sandwich(raw, open, scales, null, 1.0, |columns| columns.clone() + numerical(data, raw, columns))
+}
+
+/// The same where every point weighed alike.
+fn of_paper_sum(data: &Data, raw: &Whitened, open: &[usize], scales: &[f64], null: f64) -> DMatrix<f64> {
+    sandwich(raw, open, scales, null, data.mean_sd(), |columns| {
+        let times = |k| data.covariance_times(&raw.rows, &columns.column(k).into_owned());
+        let all: Vec<_> = (0..columns.ncols()).map(times).collect();
+        if all.is_empty() { columns.clone() } else { DMatrix::from_columns(&all) }
+    })
 }
 
 impl Uncertainty {

@@ -41,6 +41,9 @@ pub(super) const STALLED_ROUNDS: usize = 5;
 impl Work<'_> {
     pub(super) fn fit_options(&self, stage: Stage, coarse: bool, list: &[Free]) -> FitOptions {
         let whitened = stage == Stage::Joint || self.coarse_noise > 0.0;
+        // Of several starts the best counts: none is worth a look around. Nor is the coarse mesh's, where another way ended:
+        // that is known on the given one.
+        let one_of_several = self.by_record || (coarse && self.again.below.is_finite());
         FitOptions {
             objective: if whitened { Objective::Record } else { Objective::PaperSum },
             // The coarse mesh only brings the search near: its own error is larger than the rest.
@@ -56,9 +59,7 @@ impl Work<'_> {
             // tear jump, and a jump tells the search nothing.
             initial_damping: if stage == Stage::Bulk { 1e-3 } else { 3e-2 },
             max_step: if stage == Stage::Bulk { 1.5 } else { 0.5 },
-            // Of several starts the best counts: none is worth a look around. Nor is the coarse mesh's, where another way
-            // ended: that is known on the given one.
-            poll: (!self.by_record && !(coarse && self.again.below.is_finite())).then(|| Poll {
+            poll: (!one_of_several).then(|| Poll {
                 expected: self.expected,
                 below: self.again.below,
                 ..super::poll(list)

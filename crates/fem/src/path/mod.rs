@@ -68,11 +68,7 @@ pub(crate) fn jump(
         let forward = walk.tangent[0] * direction;
         let ahead = (farthest - u0) * direction;
         if turned && forward > 0.0 && forward * walk.length >= ahead {
-            let mut fresh = m.state.clone();
-            let solved = m.newton(m.context(0.0), Control::Actuator(farthest), &mut fresh);
-            let stands = solved.and_then(|mut c| c.border(m.system, m.problem.multiplicity)).is_ok()
-                && m.system.factor.negative_pivots() == 0;
-            if stands {
+            if stands_at(m, farthest) {
                 return land(m, &walk, before, farthest, first, kept_recent, released);
             }
             walk.length = (0.5 * walk.length).max(walk.smallest);
@@ -115,6 +111,14 @@ pub(crate) fn jump(
         step: walk.length,
         reason: "the tear neither stops nor finds a new equilibrium".into(),
     })
+}
+
+/// Whether a stable state is found at this actuator displacement from the last one.
+fn stands_at(m: &mut Stepping, actuator: f64) -> bool {
+    let mut fresh = m.state.clone();
+    let solved = m.newton(m.context(0.0), Control::Actuator(actuator), &mut fresh);
+    solved.and_then(|mut c| c.border(m.system, m.problem.multiplicity)).is_ok()
+        && m.system.factor.negative_pivots() == 0
 }
 
 /// Stands at the limit displacement on the new branch and writes the jump.

@@ -112,18 +112,19 @@ pub fn run_steps(
             m.run.failure = Some(e);
             break;
         }
-        match known {
-            Some(known) => {
-                differences.extend(Guess::combined(&[(1.0, &m.state.guess()), (-1.0, &known)]));
-                if differences.len() > 2 {
-                    differences.remove(0);
-                }
-            }
-            None => differences.clear(),
-        }
+        learn(&mut differences, known.as_ref(), &m.state);
     }
     m.run.last = Some(m.state);
     m.run
+}
+
+/// Keeps how the last two states differ from what a warm start knew of them.
+fn learn(differences: &mut Vec<Guess>, known: Option<&Guess>, state: &State) {
+    let Some(known) = known else { return differences.clear() };
+    differences.extend(Guess::combined(&[(1.0, &state.guess()), (-1.0, known)]));
+    if differences.len() > 2 {
+        differences.remove(0);
+    }
 }
 
 impl Stepping<'_> {

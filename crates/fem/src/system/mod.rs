@@ -10,7 +10,7 @@ use rayon::prelude::*;
 mod assembly;
 mod pattern;
 
-use pattern::{lower_triangle, path_dofs, pattern};
+use pattern::{Places, hex_dofs, numbered, path_dofs, pattern};
 
 /// Marks a constrained degree of freedom, and a matrix entry outside the free block.
 pub const NONE: usize = usize::MAX;
@@ -76,57 +76,13 @@ impl System {
     pub fn new(problem: &Problem) -> Result<Self, FemError> {
         problem.check()?;
         let body = &problem.body;
-        let mut equation = vec![NONE; 3 * body.nodes.len()];
-        let mut unknowns = 0;
-        for &node in &body.order {
-            for c in 0..3 {
-                if problem.supports[3 * node + c].is_none() {
-                    equation[3 * node + c] = unknowns;
-                    unknowns += 1;
-                }
-            }
-        }
+        let (equation, unknowns) = numbered(problem);
         let path_dofs: Vec<Vec<usize>> = body.cohesive.iter().map(path_dofs).collect();
-        let hex_dofs =
-            |h: &[usize; 8]| -> [usize; hex8::DOFS] { std::array::from_fn(|i| 3 * h[i / 3] + i % 3) };
-        let (col_ptr, row_idx) = pattern(
-            unknowns,
-            &equation,
-            body.hexes.iter().map(|h| hex_dofs(h).to_vec()).chain(path_dofs.iter().cloned()),
-        );
-        let locate = |i: usize, j: usize| -> u32 {
-            let (ei, ej) = (equation[i], equation[j]);
-            if ei == NONE || ej == NONE {
-                return SKIP;
-            }
-            let (row, col) = (ei.max(ej), ei.min(ej));
-            let rows = &row_idx[col_ptr[col]..col_ptr[col + 1]];
-            rows.binary_search(&row).map_or(SKIP, |k| (col_ptr[col] + k) as u32)
-        };
-        let hex_map = body
-            .hexes
-            .iter()
-            .map(|h| {
-                let dofs = hex_dofs(h);
-                let mut map = [SKIP; hex8::PACKED];
-                for (at, (i, j)) in map.iter_mut().zip(lower_triangle()) {
-                    *at = locate(dofs[i], dofs[j]);
-                }
-                map
-            })
-            .collect();
-        let path_map = path_dofs
-            .iter()
-            .map(|dofs| {
-                let mut map = Vec::with_capacity(dofs.len() * (dofs.len() + 1) / 2);
-                for i in 0..dofs.len() {
-                    for j in 0..=i {
-                        map.push(locate(dofs[i], dofs[j]));
-                    }
-                }
-                map
-            })
-            .collect();
+        let dofs = body.hexes.iter().map(|h| hex_dofs(h).to_vec()).chain(path_dofs.iter().cloned());
+        let (col_ptr, row_idx) = pattern(unknowns, &equation, dofs);
+        let places = Places { equation: &equation, col_ptr: &col_ptr, row_idx: &row_idx };
+        let hex_map = body.hexes.iter().map(|h| places.of_hex(&hex_dofs(h))).collect();
+        let path_map = path_dofs.iter().map(|dofs| places.of_path(dofs)).collect();
         let grip_share: Vec<f64> = problem.supports.iter().map(|s| s.map_or(0.0, |p| p.grip)).collect();
         let grip_hexes = (0..body.hexes.len())
             .filter(|&e| hex_dofs(&body.hexes[e]).iter().any(|&d| grip_share[d] != 0.0))
