@@ -19,6 +19,7 @@ mod parsimony;
 mod priors;
 mod probable;
 mod problem;
+mod roles;
 mod simulate;
 mod start;
 mod strip;

@@ -257,6 +257,14 @@ pub trait Effect: Send + Sync {
     /// plausible amplitude: a change that a lab would call ordinary.
     fn start(&self, scales: &Scales) -> Vec<f64>;
 
+    /// Toughness and strength, N/mm and MPa, of a law of the tear and values of this effect, with which both together respond
+    /// as with those given, where these give them each other's roles, against the card. `None` where they stand as the card
+    /// means them, or cannot be exchanged.
+    fn exchanged(&self, law: &str, tear: [f64; 2], own: &[f64]) -> Option<([f64; 2], Vec<f64>)> {
+        let _ = (law, tear, own);
+        None
+    }
+
     /// How it acts.
     fn act(&self, options: &Options, piece: &Piece) -> Action;
 }

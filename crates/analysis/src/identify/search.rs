@@ -1,7 +1,7 @@
 //! The stages of a search, and their order on the coarse and the given mesh.
 
 use super::settings::{LAST_ROUNDS, STALLED_ROUNDS};
-use super::work::Work;
+use super::work::{Work, free_parameters};
 use super::{AnalysisError, Stage};
 use crate::cost::Phase;
 use input::{Case, Mode};
@@ -76,6 +76,7 @@ impl StagedSearch<'_> {
         } else if let Some(theta) = starts.into_iter().next() {
             work.theta = theta;
         }
+        self.name_laws(work);
         work.stopped.truncate(before);
         work.bulk_held = false;
         // A joint search that was brought near on the coarse mesh needs no stages on the fine one, nor does one that is to
@@ -93,6 +94,15 @@ impl StagedSearch<'_> {
             end?;
         }
         Ok(())
+    }
+
+    /// Gives laws that can take each other's roles those of their cards.
+    fn name_laws(&self, work: &mut Work) {
+        if self.case.identify.max_iterations > 0 {
+            let mut free = free_parameters(self.fine, &work.theta, &self.fine.free());
+            crate::priors::add(&mut free, self.case, work.literature);
+            crate::roles::as_the_cards_say(self.fine, self.catalogue, &free, &mut work.theta);
+        }
     }
 
     /// The stages on the coarse mesh, from each start; the end with the least objective goes on. A start from which

@@ -119,6 +119,7 @@ impl FeLadder<'_> {
         states: Option<&FineStates>,
         rounds: usize,
     ) -> Result<Option<(Fitted, FineStates)>, AnalysisError> {
+        let begun = self.with_laws_named(begun);
         let fine = self.on_file_mesh(&begun.model)?;
         let theta = transfer(&begun.model, &begun.theta, &fine);
         let slots = &self.measured.slots;
@@ -161,6 +162,15 @@ impl FeLadder<'_> {
         drop((problem, cheap));
         let states = FineStates { model: fine, warm: done.warm };
         Ok(self.settled_at(begun, done.fit)?.map(|fitted| (fitted, states)))
+    }
+
+    /// A start whose laws have the roles that their cards mean.
+    fn with_laws_named(&self, mut begun: Begun) -> Begun {
+        let Begun { model, theta, free, free_parameters, .. } = &mut begun;
+        if crate::roles::as_the_cards_say(model, self.catalogue, free_parameters, theta) {
+            free.iter().zip(free_parameters).for_each(|(&i, f)| f.start = theta[i]);
+        }
+        begun
     }
 
     /// A rung at the end of its fit on the file's mesh; `None` where the search's gives no answer there.

@@ -74,6 +74,14 @@ impl Effect for Bridging {
         vec![(0.1 * scales.sigma_c).min(100.0), (4.0 * scales.delta_c).clamp(LENGTHS.0, LENGTHS.1)]
     }
 
+    /// Two laws of one form under one opening: that of the longer opening bridges.
+    fn exchanged(&self, law: &str, [gc, sigma_c]: [f64; 2], own: &[f64]) -> Option<([f64; 2], Vec<f64>)> {
+        let (sigma_b, delta_b) = (own[SIGMA_B], own[DELTA_B]);
+        let delta_c = gc / (E * sigma_c);
+        let swapped = law == "exponential" && sigma_b > 0.0 && delta_b < delta_c;
+        swapped.then(|| ([E * sigma_b * delta_b, sigma_b], vec![sigma_c, delta_c]))
+    }
+
     fn act(&self, _options: &Options, _piece: &Piece) -> Action {
         Action::Interface(Box::new(|inner| Arc::new(decorate(inner, Fibres))))
     }

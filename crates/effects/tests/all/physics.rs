@@ -264,6 +264,35 @@ fn bridging_adds_its_own_work() {
     assert!((work - TEAR[0] - std::f64::consts::E * 0.02 * 2.5).abs() < 1e-4, "{work}");
 }
 
+/// The law with the longer opening bridges; the other one's traction and work are the file's law's.
+#[test]
+fn laws_that_exchange_their_roles_respond_alike() {
+    let (law, bridging) = (tear("bridging"), named("bridging"));
+    // Opened, closed half, opened farther and aside.
+    let path = [0.0, 0.02, 0.1, 0.4, 0.2, 0.6, 1.5, 3.0].map(|u| (1.0, [u, 0.3 * u, 0.1 * u]));
+    let (gc, sigma_c) = (TEAR[0], TEAR[1]);
+    let delta_c = gc / (std::f64::consts::E * sigma_c);
+    let own = [2.0 * sigma_c, 0.1 * delta_c];
+    let (now, exchanged) = bridging.exchanged("exponential", [gc, sigma_c], &own).expect("roles exchanged");
+    assert_eq!((now[1], exchanged[0]), (own[0], sigma_c));
+    let response = |tear: [f64; 2], own: &[f64]| {
+        let params = [&tear[..], &TEAR[2..], own].concat();
+        (drive(&*law, &params, &at(&path)).force, *ledger(&*law, &params, &at(&path)).last().unwrap())
+    };
+    let (before, after) = (response([gc, sigma_c], &own), response(now, &exchanged));
+    for (a, b) in before.0.iter().flatten().zip(after.0.iter().flatten()) {
+        assert!((a - b).abs() < 1e-12 * sigma_c, "{a} {b}");
+    }
+    for (a, b) in before.1.iter().zip(after.1) {
+        assert!((a - b).abs() < 1e-10 * gc, "{a} {b}");
+    }
+    // As the card means it, of another form, or none at all: nothing to exchange.
+    assert_eq!(bridging.exchanged("exponential", now, &exchanged), None);
+    assert_eq!(bridging.exchanged("bilinear", [gc, sigma_c], &own), None);
+    assert_eq!(bridging.exchanged("exponential", [gc, sigma_c], &[0.0, own[1]]), None);
+    assert_eq!(named("law_shape").exchanged("exponential", [gc, sigma_c], &own), None);
+}
+
 #[test]
 fn the_rate_rise_is_the_logarithm_and_outlives_an_instantaneous_change() {
     let law = tear("rate_dependent_strength");
