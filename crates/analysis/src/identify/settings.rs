@@ -87,17 +87,17 @@ impl Work<'_> {
 mod tests {
     use super::*;
     use crate::identify::Again;
-    use crate::ladder::tests::unexplained;
+    use crate::ladder::tests::unloaded;
     use crate::{Control, NoJournal};
 
     /// Where another way ended, a search looks around below that alone, and on the given mesh alone.
     #[test]
     fn a_search_beside_a_better_one_does_not_look_around() {
         let catalogue = effects::catalogue();
-        let ladder = unexplained(&catalogue);
+        let case = unloaded(&catalogue);
         let control = Control { progress: &|_| (), cancelled: &|| false, journal: &NoJournal };
         let below = |coarse: bool, below: f64| {
-            let mut work = Work::new(ladder.case(), Vec::new(), crate::run_options(ladder.case()), &control);
+            let mut work = Work::new(&case, Vec::new(), crate::run_options(&case), &control);
             work.again = Again { starts: &[], below };
             work.fit_options(Stage::Joint, coarse, &[]).poll.map(|p| p.below)
         };

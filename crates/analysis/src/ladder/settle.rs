@@ -230,3 +230,51 @@ fn mapped_options(rounds: usize, ratio: f64) -> MappedOptions {
     let inner = FitOptions { max_iterations: 16, tolerance: 1e-4, ..outer.clone() };
     MappedOptions { outer, inner, settled: SETTLED, ratio, radius: f64::INFINITY }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ladder::tests::unexplained;
+
+    /// Laws of a tear that have taken each other's roles have those of their cards on the file's mesh, and the model is the same.
+    #[test]
+    fn a_fit_on_the_files_mesh_begins_with_laws_named_by_their_cards() {
+        let catalogue = effects::catalogue();
+        let ladder = unexplained(&catalogue);
+        let effect = crate::columns::config_of(catalogue.get("bridging").expect("an effect"), &[0.1, 2.0]);
+        let mut case = crate::columns::case_with(&ladder.case, &[effect]);
+        case.interface.areas = 1;
+        // Of what a file gives as a start nothing is believed.
+        (case.interface.gc[0].value, case.interface.sigma_c[0].value) = (Some(0.1), Some(0.1));
+        let case = Arc::new(case);
+        let of_laws = [
+            "interface.area[1].gc",
+            "interface.area[1].sigma_c",
+            "effects.bridging.sigma_b",
+            "effects.bridging.delta_b",
+        ];
+        let settled = |values: [f64; 4]| {
+            let model = Model::new(case.clone(), &catalogue, ladder.how).expect("a model");
+            let places = of_laws.map(|path| model.find(path).expect("a parameter"));
+            let mut theta = transfer(
+                &ladder.fitted_models[&Vec::new()].model,
+                &ladder.fitted_models[&Vec::new()].theta,
+                &model,
+            );
+            places.iter().zip(values).for_each(|(&i, v)| theta[i] = v);
+            let free = model.free();
+            let free_parameters = ladder.free_parameters(&model, &theta, &free);
+            let begun = Begun { model, theta, free, free_parameters, warm: Vec::new() };
+            let (f, _) = ladder.settle(begun, None, 0).expect("a run").expect("an answer");
+            (places.map(|i| f.theta[i]), f.fit.f)
+        };
+        let e = std::f64::consts::E;
+        let right = [e * 0.8 * 0.02, 0.8, 0.1, 0.5];
+        let (kept, f) = settled(right);
+        let (named, same) = settled([e * 0.1 * 0.5, 0.1, 0.8, 0.02]);
+        for (k, v) in right.iter().enumerate() {
+            assert!((kept[k] / v - 1.0).abs() < 1e-9 && (named[k] / v - 1.0).abs() < 1e-9, "{named:?}");
+        }
+        assert!((f / same - 1.0).abs() < 1e-6, "{f} {same}");
+    }
+}

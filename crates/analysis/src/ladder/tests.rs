@@ -3,6 +3,7 @@
 use super::FeLadder;
 use crate::LadderSettings;
 use diagnose::{Discovery, Screen, Verdict};
+use input::Case;
 use model::Catalogue;
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -20,6 +21,11 @@ pub(super) fn unheard(catalogue: &Catalogue) -> LadderSettings<'_> {
 
 /// The base model's fit to a tear whose unloading follows a curve of its own, which no base model explains.
 pub(crate) fn unexplained(catalogue: &Catalogue) -> FeLadder<'_> {
+    FeLadder::weighing(Arc::new(unloaded(catalogue)), unheard(catalogue)).expect("a base fit")
+}
+
+/// That tear.
+pub(crate) fn unloaded(catalogue: &Catalogue) -> Case {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let mut rows = String::from("time_s,displacement_mm,force_N\n");
@@ -35,8 +41,7 @@ pub(crate) fn unexplained(catalogue: &Catalogue) -> FeLadder<'_> {
                 [bulk]\nmu_kPa = 6.0\nk2 = 8.0\ngamma_deg = 42.0\nkappa = 0.2\n";
     std::fs::write(folder.join("tearing.csv"), rows).expect("a record");
     std::fs::write(folder.join("c.toml"), text).expect("a config");
-    let case = input::read_case(&folder.join("c.toml"), catalogue).expect("a case");
-    FeLadder::weighing(Arc::new(case), unheard(catalogue)).expect("a base fit")
+    input::read_case(&folder.join("c.toml"), catalogue).expect("a case")
 }
 
 /// An answer without a name, in which these effects lead.

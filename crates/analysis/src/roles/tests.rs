@@ -1,7 +1,7 @@
 //! Laws of a tear by the roles that a fit gave them.
 
 use super::*;
-use crate::ladder::tests::unexplained;
+use crate::ladder::tests::unloaded;
 use input::Case;
 use inverse::Prior;
 use model::Discretisation;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 fn bridged(areas: usize) -> Model {
     let catalogue = effects::catalogue();
     let effect = crate::columns::config_of(catalogue.get("bridging").expect("an effect"), &[0.02, 2.0]);
-    let mut case: Case = crate::columns::case_with(unexplained(&catalogue).case(), &[effect]);
+    let mut case: Case = crate::columns::case_with(&unloaded(&catalogue), &[effect]);
     case.interface.areas = areas;
     Model::new(Arc::new(case), &catalogue, Discretisation::default()).expect("a model")
 }
@@ -68,4 +68,23 @@ fn the_law_of_the_longer_opening_is_called_bridging() {
     let far = [e * 0.1 * 900.0, 0.1, 90.0, 800.0];
     assert_eq!(named(&model, far, as_is), None);
     assert_eq!(named(&bridged(2), swapped, as_is), None);
+}
+
+/// A search gives the laws their names before its last stage; one that is to stay where it is leaves them.
+#[test]
+fn a_search_begins_with_laws_named_by_their_cards() {
+    let catalogue = effects::catalogue();
+    let effect = crate::columns::config_of(catalogue.get("bridging").expect("an effect"), &[0.8, 0.02]);
+    let mut case: Case = crate::columns::case_with(&unloaded(&catalogue), &[effect]);
+    (case.interface.gc[0].value, case.interface.sigma_c[0].value) = (Some(0.25), Some(0.1));
+    case.interface.areas = 1;
+    case.identify.coarse_first = false;
+    let control = crate::Control { progress: &|_| (), cancelled: &|| false, journal: &crate::NoJournal };
+    for (iterations, named) in [(1, true), (0, false)] {
+        case.identify.max_iterations = iterations;
+        let found = crate::identify(Arc::new(case.clone()), &catalogue, &control).expect("an answer");
+        let [gc, sigma_c, _, delta_b] =
+            OF_LAWS.map(|path| found.theta[found.model.find(path).expect("a parameter")]);
+        assert_eq!(delta_b > gc / (std::f64::consts::E * sigma_c), named, "{delta_b} {gc} {sigma_c}");
+    }
 }
