@@ -84,7 +84,8 @@ impl<'a> FeLadder<'a> {
             say(&format!("{name}, {}{mesh}: iteration {}, {objective}", p.stage.word(), p.iterate.iteration));
         };
         let control = crate::Control { progress: &shown, cancelled: self.cancelled, journal: self.journal };
-        let found = searched(case, self.catalogue, &control, Again { starts: &self.torn, below })?;
+        let found =
+            searched(case, self.catalogue, &control, Again { starts: self.known_starts(case), below })?;
         self.runs.fetch_add(found.runs, Ordering::Relaxed);
         Ok(found)
     }

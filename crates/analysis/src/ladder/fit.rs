@@ -45,9 +45,7 @@ impl FeLadder<'_> {
     /// Values of a model that a search from the record alone would begin with, by a case of the same laws.
     pub(super) fn start_by_record(&self, case: &Arc<Case>, model: &Model) -> Result<Vec<f64>, AnalysisError> {
         let mut theta = model.theta();
-        // What the record tells of bulk and path is the base's start, whatever else a model has.
-        let laws = |c: &Case| (c.bulk.law.clone(), c.interface.law.clone());
-        if let Some(start) = self.torn.first().filter(|_| laws(case) == laws(&self.case)) {
+        if let Some(start) = self.known_starts(case).first() {
             start::spread(model, start, &mut theta);
             return Ok(theta);
         }
@@ -62,6 +60,12 @@ impl FeLadder<'_> {
             start::spread(model, &start, &mut theta);
         }
         Ok(theta)
+    }
+
+    /// What the record of a tear told of bulk and path is the base's start, whatever else a model of the same laws has.
+    pub(super) fn known_starts(&self, case: &Case) -> &[Arc<start::Start>] {
+        let laws = |c: &Case| (c.bulk.law.clone(), c.interface.law.clone());
+        if laws(case) == laws(&self.case) { &self.torn } else { &[] }
     }
 
     /// The states of a fitted rung as first guesses for another model of the same tests.
@@ -301,6 +305,9 @@ mod tests {
         assert_eq!(begun, base);
         let (begun, base) = with(Some("bilinear"));
         assert_ne!(begun, base);
+        let other =
+            crate::ladder::laws::with_law(&ladder.case, &catalogue, input::LawSite::Bulk, "neo_hooke");
+        assert!(ladder.known_starts(&other).is_empty() && !ladder.known_starts(&ladder.case).is_empty());
     }
 
     #[test]
