@@ -150,11 +150,11 @@ pub(crate) fn explained_by(
     let measured = measured(ladder)?;
     let all = ladder.fitted_models.values().map(AtFit::from);
     let scale = Scale::new(&measured, all, ladder.catalogue(), &beliefs)?;
-    Ok(Some(scale.left(&scale.linear(fitted.into())?)?.explained_to))
+    Ok(Some(scale.left(&scale.best(fitted.into())?)?.explained_to))
 }
 
 /// The records with the noise that the base model's fit shows.
-fn measured(ladder: &FeLadder) -> Result<Measured, EvidenceError> {
+pub(crate) fn measured(ladder: &FeLadder) -> Result<Measured, EvidenceError> {
     let base = ladder.fitted_models.get(&Vec::new()).ok_or(EvidenceError::Empty)?;
     Ok(ladder.measured.as_estimated(&base.model).unwrap_or_else(|_| ladder.measured.clone()))
 }
@@ -165,7 +165,7 @@ fn left(scale: &Scale, known: &mut Known, effects: &[String]) -> Result<Left, Ev
     if let Some(left) = &model.left {
         return Ok(left.clone());
     }
-    let left = scale.left(&model.linear)?;
+    let left = scale.left(model.best())?;
     known.change(effects, |m| m.left = Some(left.clone()));
     Ok(left)
 }

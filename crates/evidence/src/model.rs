@@ -245,30 +245,5 @@ impl Evidence {
     }
 }
 
-/// Computes the evidence at the mode: `relinearise` gives the model at a point (coordinates of the transforms); asked again from the
-/// mode until it moves by less than `within` standard deviations, at most `rounds` times. The evidence and whether it stands.
-///
-/// # Errors
-/// [`EvidenceError`], or what `relinearise` says.
-pub fn at_the_mode<E: From<EvidenceError>>(
-    record: &Record,
-    start: Linear,
-    rest: &RestPrior,
-    kernel: Kernel,
-    (rounds, within): (usize, f64),
-    mut relinearise: impl FnMut(&[f64]) -> Result<Linear, E>,
-) -> Result<(Evidence, bool), E> {
-    let mut evidence = Evidence::of(record, &start, rest, kernel)?;
-    for _ in 0..rounds {
-        if evidence.moved <= within {
-            return Ok((evidence, true));
-        }
-        let linear = relinearise(&evidence.mode)?;
-        evidence = Evidence::of(record, &linear, rest, kernel)?;
-    }
-    let stands = evidence.moved <= within;
-    Ok((evidence, stands))
-}
-
 #[cfg(test)]
 mod tests;

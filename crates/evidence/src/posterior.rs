@@ -102,6 +102,12 @@ impl Judged {
         Self { left: Some((1.0 - self.noise_alone) * excess / self.complete), ..self }
     }
 
+    /// With an evidence that claims less, by so many nats, in every way of asking.
+    pub fn less(mut self, nats: f64) -> Self {
+        self.values.iter_mut().flatten().for_each(|v| *v -= nats);
+        self
+    }
+
     /// From numbers alone: the same in every way of asking.
     pub fn from_numbers(effects: &[String], ln_z: f64, ln_z_else: f64) -> Self {
         Self {

@@ -23,8 +23,13 @@ impl Work<'_> {
         measured: &Measured,
         catalogue: &Catalogue,
     ) -> Result<Unexplained, EvidenceError> {
-        let at =
-            AtFit { model: answer.fine, theta: &self.theta, free_parameters: &answer.free_parameters, fit };
+        let at = AtFit {
+            model: answer.fine,
+            theta: &self.theta,
+            free_parameters: &answer.free_parameters,
+            fit,
+            mode: None,
+        };
         let beliefs = Beliefs::of(self.case, catalogue);
         let scale = Scale::new(measured, std::iter::once(at), catalogue, &beliefs)?;
         let linear = scale.linear(at)?;

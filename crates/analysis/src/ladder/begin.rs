@@ -153,23 +153,26 @@ impl FeLadder<'_> {
     }
 
     /// Once more from where `fct identify` begins with this model in the file, its effects as the first fit has them: the
-    /// base's optimum, from which that was fitted, may be bent to where no step leads out. Where either misses the records by
-    /// far, where `identify` ends on the file's mesh. The best of them.
+    /// base's optimum, from which that was fitted, may be bent to where no step leads out. The better of the two fits.
     pub(super) fn restart_as_identified(&self, first: Fitted) -> Fitted {
         (self.progress)(&format!(
             "{}: once more from the record",
             super::named(&self.parts_of(&first.model))
         ));
-        let best = match self.fitted_from_the_record(&first) {
+        match self.fitted_from_the_record(&first) {
             Ok(f) if f.fit.f < first.fit.f => f,
             _ => first,
-        };
-        if best.quality.reduced_chi2_total <= FAR || self.cancelled.stops() {
-            return best;
         }
-        match self.settle_as_identified(&best) {
-            Ok(Some((f, _))) if f.fit.f < best.fit.f => f,
-            _ => best,
+    }
+
+    /// A fit that misses the records by far, taken to where `identify` of its model ends on the file's mesh, if that misses them less.
+    pub(super) fn end_as_identified(&self, first: Fitted) -> Fitted {
+        if first.quality.reduced_chi2_total <= FAR || self.cancelled.stops() {
+            return first;
+        }
+        match self.settle_as_identified(&first) {
+            Ok(Some((f, _))) if f.fit.f < first.fit.f => f,
+            _ => first,
         }
     }
 
@@ -225,7 +228,7 @@ mod tests {
         astray.fit.f = f64::INFINITY;
         // What the file's mesh would say is so wrong that no fit on the search's mesh comes near.
         astray.correction.shift.add_scalar_mut(1.0);
-        let found = ladder.restart_as_identified(astray);
+        let found = ladder.end_as_identified(ladder.restart_as_identified(astray));
         println!(
             "χ² {} ({} a point), identify {}",
             found.fit.f, found.quality.reduced_chi2_total, identified

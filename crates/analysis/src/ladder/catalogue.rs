@@ -14,6 +14,7 @@ use crate::identify::{AnalysisError, FAR};
 use crate::probable::{Probable, probable_with_models};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
+use std::sync::PoisonError;
 
 /// Most effects of a set.
 const LARGEST: usize = 4;
@@ -30,7 +31,7 @@ impl FeLadder<'_> {
         if !self.screens.contains_key(&Vec::new()) {
             self.columns_at(&[])?;
         }
-        let mut done = Done { singles: Singles::Likely, twice: BTreeSet::new(), formed: BTreeSet::new() };
+        let mut done = Done::default();
         loop {
             let (found, posterior, models) = self.posterior()?;
             // What else there is to try comes before what costs most.
@@ -41,7 +42,9 @@ impl FeLadder<'_> {
             let noise = found.left.explained_to == evidence::ExplainedTo::Noise;
             let now = Now { noise, leads: leading(&posterior), found, posterior, models };
             let moved = self.fit_likely(&mut done, &now)?
-                || self.begin_leaders_again(&mut done, &now)
+                || self.begin_rivals_again(&mut done, &now)
+                || self.approach_modes()?
+                || self.end_rivals_as_identified(&mut done, &now)
                 || self.fit_others(&mut done, &now)?
                 || self.settle_leaders(&mut done, &now)?
                 || self.screen_leaders(&now)?
@@ -65,14 +68,32 @@ impl FeLadder<'_> {
         Ok(!likely.is_empty())
     }
 
-    /// The leading sets once more from the record, where they leave more than noise.
-    fn begin_leaders_again(&mut self, done: &mut Done, now: &Now) -> bool {
-        let once: Vec<Vec<String>> = (self.unsettled(now).into_iter())
-            .filter(|s| !now.noise && !s.is_empty() && !done.twice.contains(s))
-            .collect();
-        self.begin_as_identified(&once);
-        done.twice.extend(once.iter().cloned());
-        !once.is_empty()
+    /// The leading sets and their rivals once more from the record, where more than noise is left.
+    fn begin_rivals_again(&mut self, done: &mut Done, now: &Now) -> bool {
+        let open = self.rivals(now, &done.twice);
+        self.fit_again(&open, |ladder, _, f| ladder.restart_as_identified(f));
+        done.twice.extend(open.iter().cloned());
+        !open.is_empty()
+    }
+
+    /// The same where `identify` of them ends.
+    fn end_rivals_as_identified(&mut self, done: &mut Done, now: &Now) -> bool {
+        let open = self.rivals(now, &done.ended);
+        self.fit_again(&open, |ladder, _, f| ladder.end_as_identified(f));
+        done.ended.extend(open.iter().cloned());
+        !open.is_empty()
+    }
+
+    /// Where more than noise is left, the leading sets, and single effects whose evidence was worth its integral, that are not on the
+    /// file's mesh, nor among these. A fit that ended early has next to no share of the posterior, and what leads instead takes it.
+    fn rivals(&self, now: &Now, but: &BTreeSet<Vec<String>>) -> Vec<Vec<String>> {
+        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let near = |s: &[String]| known.weighed(s).is_some_and(|m| m.judged.is_some());
+        let open = self.fitted_models.iter().filter(|(s, f)| {
+            let counts = now.leads.contains(s) || (s.len() == 1 && near(s));
+            counts && !now.noise && !f.settled && !s.is_empty() && !but.contains(*s)
+        });
+        open.map(|(s, _)| s.clone()).collect()
     }
 
     /// All other effects, held against a leader that leaves noise alone.
@@ -127,11 +148,6 @@ impl FeLadder<'_> {
         now.leads.iter().filter(|s| self.fitted_models.contains_key(*s)).cloned().collect()
     }
 
-    /// Those of them that are not on the file's mesh yet.
-    fn unsettled(&self, now: &Now) -> Vec<Vec<String>> {
-        self.fitted(now).into_iter().filter(|s| !self.fitted_models[s].settled).collect()
-    }
-
     /// The least objective of what was fitted.
     fn least(&self) -> f64 {
         self.fitted_models.values().map(|f| f.fit.f).fold(f64::INFINITY, f64::min)
@@ -150,19 +166,13 @@ impl FeLadder<'_> {
             return Ok(());
         }
         self.first = self.unbent()?;
-        self.cancelled.phase(Phase::Candidates);
         self.fit_again(&open, |ladder, set, f| ladder.restart_from_the_record(set, f));
         Ok(())
     }
 
-    /// Sets once more from where `fct identify` of the same model would begin; the better of the two fits is kept.
-    fn begin_as_identified(&mut self, sets: &[Vec<String>]) {
-        self.cancelled.phase(Phase::Candidates);
-        self.fit_again(sets, |ladder, _, f| ladder.restart_as_identified(f));
-    }
-
     /// Replaces fits by what a second one makes of them, side by side.
     fn fit_again(&mut self, sets: &[Vec<String>], again: impl Fn(&Self, &[String], Fitted) -> Fitted + Sync) {
+        self.cancelled.phase(Phase::Candidates);
         let begun: Vec<(Vec<String>, Fitted)> =
             sets.iter().filter_map(|s| self.fitted_models.remove_entry(s)).collect();
         let this = &*self;
@@ -244,17 +254,22 @@ impl FeLadder<'_> {
 }
 
 /// What a search has behind it.
+#[derive(Default)]
 pub(super) struct Done {
     pub singles: Singles,
     /// Sets that began a second time, from the record.
     pub twice: BTreeSet<Vec<String>>,
+    /// Sets that were taken to where `identify` of them ends.
+    pub ended: BTreeSet<Vec<String>>,
     /// Sets whose effects were tried in other forms.
     pub formed: BTreeSet<Vec<String>>,
 }
 
 /// Which sets of one effect are to be fitted next.
+#[derive(Default)]
 pub(super) enum Singles {
     /// Those that lead by the base's columns: where they leave noise alone, the others have something to be held against.
+    #[default]
     Likely,
     /// The others of these.
     Others(Vec<Vec<String>>),

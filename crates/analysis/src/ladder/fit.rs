@@ -142,6 +142,7 @@ impl FeLadder<'_> {
             quality,
             correction,
             settled: false,
+            mode: None,
             warm,
         })
     }

@@ -135,7 +135,6 @@ mod tests {
     use super::super::catalogue::{Done, Now, Singles};
     use super::super::tests::unheard;
     use super::*;
-    use std::collections::BTreeSet;
     use std::fmt::Write as _;
 
     /// Force of a neo-Hookean strip of 10 mm² whose nominal stress relaxes with two times, pulled by 60 % and back.
@@ -192,7 +191,7 @@ mod tests {
         let one = ladder.fitted_models[&set].fit.f;
         let (found, posterior, models) = ladder.posterior().expect("probabilities");
         let now = Now { found, posterior, models, noise: false, leads: vec![set.clone()] };
-        let mut done = Done { singles: Singles::Fitted, twice: BTreeSet::new(), formed: BTreeSet::new() };
+        let mut done = Done { singles: Singles::Fitted, ..Done::default() };
         assert!(ladder.settle_leaders(&mut done, &now).expect("fits"));
         let f = &ladder.fitted_models[&set];
         assert!(

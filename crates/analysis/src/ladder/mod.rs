@@ -13,6 +13,7 @@ mod fitted_model;
 mod forms;
 pub(crate) mod laws;
 mod leading;
+mod modes;
 mod neutral;
 pub(crate) mod next_test;
 mod pace;
@@ -23,6 +24,7 @@ mod torn_end;
 
 pub use adds::Adds;
 pub use decided::Weighed;
+use modes::Seed;
 pub use next_test::{NextTest, Tried};
 use settle::FineStates;
 pub use torn_end::{LeftOut, SearchOutcome};
@@ -35,7 +37,7 @@ use crate::identify::{AnalysisError, coarser, fewer_steps, run_options};
 use crate::journal::Journal;
 use crate::problem::Cancelled;
 use crate::start::Start;
-use crate::weigh::Known;
+use crate::weigh::{Known, Mode};
 use diagnose::{Candidate, FittedModel, Policy, Screen};
 use input::Case;
 use inverse::{Data, Fit, Free, Noise, Quality, Whitened};
@@ -65,6 +67,8 @@ pub struct Fitted {
     pub settled: bool,
     /// States of the last run: first guesses.
     pub warm: Vec<Option<fem::Warm>>,
+    /// Where its posterior has its mode, once that was looked for.
+    pub(crate) mode: Option<Mode>,
 }
 
 /// The ladder of one case.
@@ -95,6 +99,8 @@ pub struct FeLadder<'a> {
     torn: Vec<Arc<Start>>,
     /// The objective of a model that leaves noise alone: fits that cannot come near it are dropped.
     leader: Option<f64>,
+    /// Where the sets' posteriors were found to have their modes: paths and values of the free parameters.
+    modes: BTreeMap<Vec<String>, Seed>,
     /// What the models say of the records, as far as it was asked.
     pub(crate) known: Mutex<Known>,
     /// Whether the search ends where no effect alone comes near the records: there is something else to try first.
@@ -133,6 +139,7 @@ impl<'a> FeLadder<'a> {
             first: Vec::new(),
             torn: Vec::new(),
             leader: None,
+            modes: BTreeMap::new(),
             known: Mutex::default(),
             brief: false,
             runs: AtomicUsize::new(0),

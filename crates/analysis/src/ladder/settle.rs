@@ -27,7 +27,7 @@ pub(super) struct FineStates {
 
 impl FineStates {
     /// As first guesses for another model of the same tests.
-    fn guesses(&self, of: &Model, options: &RunOptions) -> Vec<Option<fem::Warm>> {
+    pub(super) fn guesses(&self, of: &Model, options: &RunOptions) -> Vec<Option<fem::Warm>> {
         let one = |(t, w): (usize, &Option<fem::Warm>)| {
             let (from, to) = (self.model.plan(t, options), of.plan(t, options));
             w.as_ref().map(|w| to.guesses(&from, w))
@@ -192,6 +192,7 @@ impl FeLadder<'_> {
             free_parameters,
             fit: end,
             settled: true,
+            mode: None,
             warm,
             free,
             model,
@@ -208,7 +209,7 @@ impl FeLadder<'_> {
     }
 
     /// A model of the search's, on the file's mesh.
-    fn on_file_mesh(&self, model: &Model) -> Result<Model, AnalysisError> {
+    pub(super) fn on_file_mesh(&self, model: &Model) -> Result<Model, AnalysisError> {
         let mut case = (*self.fine_case).clone();
         case.effects.clone_from(&model.case.effects);
         case.bulk.clone_from(&model.case.bulk);
@@ -217,7 +218,7 @@ impl FeLadder<'_> {
     }
 
     /// All load steps: where a strip tears through, the curve between half of them is not the model's.
-    fn file_options(&self) -> RunOptions {
+    pub(super) fn file_options(&self) -> RunOptions {
         let mut options = run_options(&self.fine_case);
         options.stepping.budget = 2 * crate::identify::TRIAL_BUDGET;
         options.stepping.newton.tolerance = self.options.stepping.newton.tolerance;

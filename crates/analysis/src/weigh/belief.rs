@@ -3,9 +3,10 @@
 use evidence::Belief;
 use inverse::Free;
 use model::{Card, Catalogue, Model, Scales, Screening, Sided};
-use params::ParamSpec;
+use params::{ParamSpec, Transform};
 
-/// Spread of a shape's belief in its natural coordinate: a factor of 4.5 either way in a logarithm.
+/// Spread of a shape's belief in its natural coordinate, a factor of 4.5 either way in a logarithm; of a positive one that may be zero,
+/// in what is ordinary of it.
 const SHAPE_SPREAD: f64 = 1.5;
 
 /// Spread of a base parameter's belief where nothing is believed of it: a factor of 20 either way in a logarithm.
@@ -39,6 +40,16 @@ pub(crate) fn amplitude(
     (whole.lower < whole.upper).then_some(whole)
 }
 
+/// Belief of a shape: about what is ordinary of it. Of a positive one that may be zero, half the box of its bounds would be far more than
+/// any record has of it.
+fn shape(free: &Free, spec: &ParamSpec, start: Option<&f64>) -> Belief {
+    let typical = start.copied().unwrap_or(spec.start).clamp(spec.lower, spec.upper);
+    let positive = spec.transform == Transform::Identity && spec.lower >= 0.0 && typical > 0.0;
+    let scale = if positive { typical } else { free.natural_scale(typical) };
+    let (lower, upper) = free.bounds_z();
+    Belief::normal(free.forward(typical), SHAPE_SPREAD * scale).within(lower, upper)
+}
+
 /// Belief of a free parameter, and whether it is the amplitude of an effect.
 pub(crate) fn belief(free: &Free, model: &Model, catalogue: &Catalogue, scales: &Scales) -> (Belief, bool) {
     let (lower, upper) = free.bounds_z();
@@ -53,8 +64,7 @@ pub(crate) fn belief(free: &Free, model: &Model, catalogue: &Catalogue, scales: 
         if let Some(b) = amplitude(free, spec, at, effect.card(), &start) {
             return (b, true);
         }
-        let typical = start.get(at).copied().unwrap_or(spec.start).clamp(spec.lower, spec.upper);
-        return wide(free.forward(typical), SHAPE_SPREAD * free.natural_scale(typical));
+        return (shape(free, spec, start.get(at)), false);
     }
     match free.prior {
         Some(p) => wide(p.mean, p.sd),
@@ -84,6 +94,26 @@ mod tests {
         opening_rate: 0.02,
         fibre_strain: 0.25,
     };
+
+    /// No shape is believed to be, for the most part, ten times what an effect calls ordinary, or next to nothing.
+    #[test]
+    fn shapes_are_believed_about_what_is_ordinary() {
+        let mut may_be_zero = 0;
+        for effect in effects::catalogue().iter() {
+            let (specs, start) = (effect.parameters(&model::Options::new()), effect.start(&SIZES));
+            for (spec, &typical) in specs.iter().zip(&start).skip(1).filter(|(s, _)| s.neutral.is_none()) {
+                let free = Free::new(spec.name.clone(), (spec.lower, spec.upper), spec.transform, typical);
+                let b = shape(&free, spec, Some(&typical));
+                let quartiles = [0.25, 0.75].map(|u| free.backward(b.quantile(u)));
+                let wide = quartiles[1].abs() / typical.abs();
+                assert!(wide < 10.0, "{} {}: {quartiles:?} for {typical}", effect.card().name, spec.name);
+                assert!(quartiles[1].abs() > 0.5 * typical.abs(), "{} {}", effect.card().name, spec.name);
+                may_be_zero += usize::from(spec.transform == Transform::Identity && spec.lower >= 0.0);
+            }
+        }
+        // Ψ0 of fiber_damage, β of mullins, Fs of grip_slip.
+        assert_eq!(may_be_zero, 3);
+    }
 
     /// Every effect has an amplitude whose belief stands at neutral, reaches what a lab would call ordinary, and goes to its
     /// admissible side alone.

@@ -18,12 +18,16 @@ pub(crate) struct Known {
 pub(crate) struct KnownModel {
     /// The model at its fit.
     pub linear: Linear,
+    /// The model at the mode of its posterior, where that is known to be elsewhere, and what its evidence claims too much.
+    pub mode: Option<(Linear, f64)>,
     /// ln Z on a few sizes of the rest.
     pub quick: f64,
     /// Mean square that it leaves beyond noise.
     pub excess: f64,
     /// With the integral over the rest; none for what was far behind.
     pub judged: Option<Judged>,
+    /// How far the mode is from where that was computed, standard deviations.
+    pub moved: f64,
     /// What it leaves, where that was asked.
     pub left: Option<Left>,
     /// What candidates gain: the columns of their shapes, and the gain.
@@ -33,7 +37,21 @@ pub(crate) struct KnownModel {
 impl KnownModel {
     /// A model of which nothing but its quick value and what it leaves is known.
     pub fn new(quick: f64, excess: f64, linear: Linear) -> Self {
-        Self { linear, quick, excess, judged: None, left: None, gains: BTreeMap::new() }
+        Self {
+            linear,
+            mode: None,
+            quick,
+            excess,
+            judged: None,
+            moved: 0.0,
+            left: None,
+            gains: BTreeMap::new(),
+        }
+    }
+
+    /// Where its evidence is computed.
+    pub fn best(&self) -> &Linear {
+        self.mode.as_ref().map_or(&self.linear, |m| &m.0)
     }
 
     /// The gain of a candidate, if it was asked with the same columns.
@@ -59,9 +77,18 @@ impl Known {
         }
     }
 
-    /// What is known of a model, if it was linearised at the same point.
-    pub fn of(&self, effects: &[String], linear: &Linear) -> Option<&KnownModel> {
-        self.models.get(effects).filter(|m| m.linear == *linear)
+    /// Whether a model is known that was linearised at the same point.
+    pub fn holds(&self, effects: &[String], linear: &Linear) -> bool {
+        self.models.get(effects).is_some_and(|m| m.linear == *linear)
+    }
+
+    /// Notes where a model has its mode: its evidence is that there.
+    pub fn at_mode(&mut self, effects: &[String], mode: Option<(Linear, f64)>) {
+        self.change(effects, |m| {
+            if m.mode != mode {
+                (m.mode, m.judged, m.left) = (mode, None, None);
+            }
+        });
     }
 
     /// What is known of a model that was weighed.

@@ -2,6 +2,7 @@
 
 mod belief;
 mod known;
+mod mode;
 
 use crate::columns::scales;
 use crate::data::Measured;
@@ -15,9 +16,10 @@ use evidence::{
     excess,
 };
 use input::{Case, DiagnoseConfig};
-use inverse::{Fit, Free};
+use inverse::{Fit, Free, Prediction};
 pub(crate) use known::Known;
 use known::KnownModel;
+pub(crate) use mode::{Mode, NEAR};
 use model::{Catalogue, Model, corner_rows};
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -53,11 +55,19 @@ pub(crate) struct AtFit<'a> {
     pub theta: &'a [f64],
     pub free_parameters: &'a [Free],
     pub fit: &'a Fit,
+    /// Where the posterior has its mode, if that was looked for.
+    pub mode: Option<&'a Mode>,
 }
 
 impl<'a> From<&'a Fitted> for AtFit<'a> {
     fn from(f: &'a Fitted) -> Self {
-        Self { model: &f.model, theta: &f.theta, free_parameters: &f.free_parameters, fit: &f.fit }
+        Self {
+            model: &f.model,
+            theta: &f.theta,
+            free_parameters: &f.free_parameters,
+            fit: &f.fit,
+            mode: f.mode.as_ref(),
+        }
     }
 }
 
@@ -132,10 +142,15 @@ impl<'a> Scale<'a> {
 
     /// A model linearised at its fit.
     pub fn linear(&self, f: AtFit) -> Result<Linear, EvidenceError> {
+        self.linear_at(f, &f.fit.theta, &f.fit.prediction)
+    }
+
+    /// The same where the free parameters have other values.
+    fn linear_at(&self, f: AtFit, theta: &[f64], prediction: &Prediction) -> Result<Linear, EvidenceError> {
         let sizes = scales(f.model, f.theta);
         let beliefs: Vec<_> =
             f.free_parameters.iter().map(|x| belief(x, f.model, self.catalogue, &sizes)).collect();
-        Linear::at_fit(&self.measured, f.free_parameters, &f.fit.theta, &f.fit.prediction, &beliefs)
+        Linear::at_fit(&self.measured, f.free_parameters, theta, prediction, &beliefs)
     }
 
     /// The integral over the rest.
@@ -158,7 +173,7 @@ impl<'a> Scale<'a> {
         known.on(&self.record);
         let quick = |(effects, f): &(&Vec<String>, AtFit)| {
             let linear = self.linear(*f)?;
-            let seen = known.of(effects, &linear).is_some();
+            let seen = known.holds(effects, &linear);
             let new = |linear: Linear| {
                 let excess = excess(&self.record, &linear)?;
                 Ok(KnownModel::new(self.quick(&linear)?, excess, linear))
@@ -167,8 +182,9 @@ impl<'a> Scale<'a> {
         };
         let fresh: Vec<Option<KnownModel>> =
             all.par_iter().map(quick).collect::<Result<_, EvidenceError>>()?;
-        for ((effects, _), model) in all.iter().zip(fresh) {
+        for ((effects, f), model) in all.iter().zip(fresh) {
             model.into_iter().for_each(|m| known.note(effects, m));
+            known.at_mode(effects, self.linear_at_mode(*f)?.zip(f.mode.map(|m| m.unseen)));
         }
         self.integrate(all, known)?;
         let models: Vec<Weighed<'_>> = (all.iter())
@@ -184,20 +200,20 @@ impl<'a> Scale<'a> {
     fn integrate(&self, all: &[(&Vec<String>, AtFit)], known: &mut Known) -> Result<(), EvidenceError> {
         let quick = |effects: &Vec<String>| known.weighed(effects).map_or(f64::NEG_INFINITY, |m| m.quick);
         let best = all.iter().map(|a| quick(a.0)).fold(f64::NEG_INFINITY, f64::max);
-        let open: Vec<(&Vec<String>, &Linear)> = (all.iter())
+        let open: Vec<(&Vec<String>, &KnownModel)> = (all.iter())
             .filter_map(|(effects, _)| Some((*effects, known.weighed(effects)?)))
             .filter(|(_, m)| m.quick > best - HOPELESS && m.judged.is_none())
-            .map(|(effects, m)| (effects, &m.linear))
             .collect();
-        let one = |(effects, linear): &(&Vec<String>, &Linear)| {
-            let evidence = self.evidence(linear)?;
+        let one = |(effects, model): &(&Vec<String>, &KnownModel)| {
+            let evidence = self.evidence(model.best())?;
             let judged = Judged::new(effects, &evidence, &self.beliefs.rest, 1.0, &self.beliefs.sets);
-            Ok(((*effects).clone(), judged))
+            let unseen = model.mode.as_ref().map_or(0.0, |m| m.1);
+            Ok(((*effects).clone(), judged.less(unseen), evidence.moved))
         };
-        let done: Vec<(Vec<String>, Judged)> =
+        let done: Vec<(Vec<String>, Judged, f64)> =
             open.par_iter().map(one).collect::<Result<_, EvidenceError>>()?;
-        for (effects, judged) in done {
-            known.change(&effects, |m| m.judged = Some(judged));
+        for (effects, judged, moved) in done {
+            known.change(&effects, |m| (m.judged, m.moved) = (Some(judged), moved));
         }
         Ok(())
     }

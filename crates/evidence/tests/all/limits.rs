@@ -3,7 +3,8 @@
 use crate::toys;
 
 use evidence::{
-    Belief, Evidence, EvidenceError, ExplainedTo, Kernel, Linear, Record, RestPrior, at_the_mode, remains,
+    Belief, Evidence, EvidenceError, ExplainedTo, Kernel, Linear, Record, RestPrior, at_the_mode, density,
+    remains,
 };
 use inverse::{NoiseModel, Random};
 use nalgebra::{DMatrix, DVector};
@@ -125,16 +126,42 @@ fn the_mode_is_approached_until_the_linearisation_stands() {
         let jacobian = DMatrix::from_columns(&[(curve(z[0] + h) - curve(z[0] - h)) / (2.0 * h)]);
         let mut p = parameter("b", Belief::normal(0.0, 1.0), false);
         p.at = z[0];
-        Ok::<_, EvidenceError>(Linear { misfit: &y - here, jacobian, parameters: vec![p], jumps: Vec::new() })
+        Linear { misfit: &y - here, jacobian, parameters: vec![p], jumps: Vec::new() }
     };
     let record = record(&data(&y, NoiseModel::white(0.02)), PEAK);
-    let start = at(&[0.0]).expect("a model");
+    let start = at(&[0.0]);
     let rest = RestPrior::default();
     let first = Evidence::of(&record, &start, &rest, Kernel::Plain).expect("evidence");
     assert!(first.moved > 3.0, "{}", first.moved);
-    let (end, stands) = at_the_mode(&record, start, &rest, Kernel::Plain, (8, 0.1), at).expect("evidence");
-    assert!(stands && end.moved <= 0.1 && (end.mode[0] - 1.0).abs() < 0.05, "{} {:?}", end.moved, end.mode);
-    assert!(end.ln_z > first.ln_z + 10.0);
+    let to_the_mode = |answers: &dyn Fn(f64) -> bool| {
+        let asked = std::cell::RefCell::new(Vec::new());
+        let model = |z: &[f64]| {
+            asked.borrow_mut().push(z[0]);
+            Ok::<_, EvidenceError>(answers(z[0]).then(|| at(z)))
+        };
+        let end = at_the_mode(&record, start.clone(), &rest, (8, 0.1), model).expect("evidence");
+        (end, asked.into_inner())
+    };
+    let (end, asked) = to_the_mode(&|_| true);
+    let evidence = &end.evidence;
+    assert!(end.stands && evidence.moved <= 0.1 && (evidence.mode[0] - 1.0).abs() < 0.05, "{evidence:?}");
+    assert!(evidence.ln_z > first.ln_z + 10.0);
+    // Every step is denser than the one before it.
+    let densities: Vec<f64> =
+        asked.iter().map(|&z| density(&record, &at(&[z]), &rest).expect("a density")).collect();
+    assert!(densities.is_sorted() && densities.len() > 1, "{asked:?} {densities:?}");
+    // Beyond a point without an answer it goes half the way, and no further.
+    let edge = 0.5 * asked[0];
+    let (short, tried) = to_the_mode(&|z| z <= edge);
+    assert!(tried[..2] == [asked[0], edge] && tried.len() == 6, "{tried:?}");
+    assert!(!short.stands && short.linear.parameters[0].at == edge, "{:?}", short.linear.parameters);
+    // What the linearisation there promises beyond the edge is not claimed; near the mode nothing is in doubt.
+    assert!(short.unseen > 5.0 && end.unseen == 0.0, "{} {}", short.unseen, end.unseen);
+    let at_edge = density(&record, &at(&[edge]), &rest).expect("a density");
+    assert!(short.evidence.ln_z - short.unseen < at_edge, "{} {at_edge}", short.evidence.ln_z);
+    // Where nothing answers, it stays where it began.
+    let (none, tried) = to_the_mode(&|_| false);
+    assert!(!none.stands && none.linear == start && tried.len() == 4, "{tried:?}");
 }
 
 /// Intervals that allow for the rest cover the truth where those of noise alone do not, whatever length it has of those that are
