@@ -42,8 +42,8 @@ impl FeLadder<'_> {
             let noise = found.left.explained_to == evidence::ExplainedTo::Noise;
             let now = Now { noise, leads: leading(&posterior), found, posterior, models };
             let moved = self.fit_likely(&mut done, &now)?
-                || self.begin_rivals_again(&mut done, &now)
                 || self.approach_modes()?
+                || self.begin_rivals_again(&mut done, &now)
                 || self.end_rivals_as_identified(&mut done, &now)
                 || self.fit_others(&mut done, &now)?
                 || self.settle_leaders(&mut done, &now)?

@@ -41,9 +41,6 @@ impl FeLadder<'_> {
             return Ok(false);
         }
         self.cancelled.phase(Phase::Candidates);
-        for key in &open {
-            (self.progress)(&format!("{}: computed at the mode of its posterior", named(key)));
-        }
         let done = {
             let this = &*self;
             let beliefs = Beliefs::of(this.case(), this.catalogue());
@@ -57,6 +54,8 @@ impl FeLadder<'_> {
             open.par_iter().map(one).collect::<Result<Vec<Mode>, AnalysisError>>()?
         };
         for (key, mode) in open.iter().zip(done) {
+            let (name, ln_z) = (named(key), mode.ln_z);
+            (self.progress)(&format!("{name}: ln Z {ln_z:.1} near the mode of its posterior"));
             if let Some(f) = self.fitted_models.get_mut(key) {
                 self.modes.insert(key.clone(), Seed::of(f, &mode));
                 f.mode = Some(mode);

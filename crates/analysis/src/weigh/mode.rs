@@ -19,6 +19,8 @@ pub(crate) struct Mode {
     pub prediction: Prediction,
     /// What its evidence claims too much, nats ([`evidence::Mode::unseen`]).
     pub unseen: f64,
+    /// What is left of its evidence, ln Z.
+    pub ln_z: f64,
 }
 
 impl Scale<'_> {
@@ -40,13 +42,13 @@ impl Scale<'_> {
         seed: Option<&[f64]>,
         mut predict: impl FnMut(&[f64]) -> Result<Option<Prediction>, E>,
     ) -> Result<Mode, E> {
-        let mut tried =
-            vec![Mode { theta: f.fit.theta.clone(), prediction: f.fit.prediction.clone(), unseen: 0.0 }];
+        let seen = |theta, prediction| Mode { theta, prediction, unseen: 0.0, ln_z: 0.0 };
+        let mut tried = vec![seen(f.fit.theta.clone(), f.fit.prediction.clone())];
         let mut start = self.linear(f)?;
         let mut at = |theta: Vec<f64>| {
             let Some(prediction) = predict(&theta)? else { return Ok(None) };
             let linear = self.linear_at(f, &theta, &prediction)?;
-            tried.push(Mode { theta, prediction, unseen: 0.0 });
+            tried.push(seen(theta, prediction));
             Ok::<_, E>(Some(linear))
         };
         let dense = |linear: &Linear| density(&self.record, linear, &self.beliefs.rest);
@@ -61,6 +63,6 @@ impl Scale<'_> {
         let stands = |m: &Mode| Ok(self.linear_at(f, &m.theta, &m.prediction)? == end.linear);
         let of_end = tried.iter().map(stands).collect::<Result<Vec<bool>, EvidenceError>>()?;
         let at = tried.swap_remove(of_end.iter().position(|&x| x).unwrap_or(0));
-        Ok(Mode { unseen: end.unseen, ..at })
+        Ok(Mode { unseen: end.unseen, ln_z: end.evidence.ln_z - end.unseen, ..at })
     }
 }
