@@ -21,6 +21,7 @@ use crate::held_out::{HeldOut, held_out};
 use crate::journal::{Journal, Recent};
 use crate::problem::Cancelled;
 use crate::start::Start;
+use evidence::EvidenceError;
 use input::Case;
 use inverse::{Fit, FitError, Free, Iterate, Noise, PredictError, Quality, Uncertainty, Whitened};
 use model::cost::Purpose;
@@ -45,6 +46,9 @@ pub enum AnalysisError {
     /// The model could not be run.
     #[error(transparent)]
     Predict(#[from] PredictError),
+    /// The models could not be weighed.
+    #[error("no probabilities: {0}")]
+    Weigh(#[from] EvidenceError),
     /// Nothing is free, or nothing is there to fit.
     #[error("{0}")]
     Case(String),

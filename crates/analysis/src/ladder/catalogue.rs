@@ -206,7 +206,7 @@ impl FeLadder<'_> {
     pub(super) fn posterior(
         &self,
     ) -> Result<(Probable, evidence::Posterior, Vec<evidence::Judged>), AnalysisError> {
-        probable_with_models(self).map_err(|e| AnalysisError::Case(format!("no probabilities: {e}")))
+        Ok(probable_with_models(self)?)
     }
 
     /// The catalogue by its columns at the base model.

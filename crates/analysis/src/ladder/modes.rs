@@ -7,7 +7,6 @@ use crate::identify::{AnalysisError, TRIAL_BUDGET};
 use crate::probable::measured;
 use crate::problem::{FeProblem, Patience};
 use crate::weigh::{Beliefs, Mode, NEAR, Scale};
-use evidence::EvidenceError;
 use inverse::{PredictError, Problem as _};
 use rayon::prelude::*;
 use std::sync::PoisonError;
@@ -115,71 +114,85 @@ impl FeLadder<'_> {
     }
 }
 
-impl From<EvidenceError> for AnalysisError {
-    fn from(why: EvidenceError) -> Self {
-        Self::Case(format!("no probabilities: {why}"))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::ladder::tests::unexplained;
-    use evidence::{Linear, density};
+    use evidence::{EvidenceError, Linear, density};
+    use model::Catalogue;
 
-    /// What no base model explains is weighed where its posterior is denser than at least squares; its rung stays the fit.
+    /// A base that no base model explains and an effect beside it, weighed, and those of them that are far from their modes.
+    fn weighed(catalogue: &Catalogue) -> (FeLadder<'_>, Vec<Vec<String>>) {
+        let mut ladder = unexplained(catalogue);
+        ladder.columns_at(&[]).expect("columns");
+        ladder.fit_sets(&[vec!["mullins".to_owned()]]).expect("a fit");
+        ladder.posterior().expect("probabilities");
+        let far = ladder.far_from_modes();
+        assert!(!far.is_empty());
+        (ladder, far)
+    }
+
+    fn ln_z(ladder: &FeLadder, set: &[String]) -> f64 {
+        let (_, _, models) = ladder.posterior().expect("probabilities");
+        models.iter().find(|m| m.effects == set).expect("weighed").ln_z()
+    }
+
+    /// A model is weighed where its posterior is denser than at least squares, without what was not found there; its rung stays the fit.
     #[test]
     fn a_model_far_from_its_mode_is_weighed_there() {
         let catalogue = effects::catalogue();
-        let mut ladder = unexplained(&catalogue);
-        ladder.columns_at(&[]).expect("columns");
-        let sets = [vec![], vec!["mullins".to_owned()]];
-        ladder.fit_sets(&sets[1..]).expect("a fit");
-        let ln_z = |ladder: &FeLadder| {
-            let (_, _, models) = ladder.posterior().expect("probabilities");
-            sets.clone().map(|s| models.iter().find(|m| m.effects == s).expect("weighed").ln_z())
+        let (mut ladder, far) = weighed(&catalogue);
+        let ends = |ladder: &FeLadder| {
+            far.iter()
+                .map(|s| (ladder.fitted_models[s].theta.clone(), ln_z(ladder, s)))
+                .unzip::<_, _, Vec<_>, Vec<_>>()
         };
-        let before = ln_z(&ladder);
-        let far = ladder.far_from_modes();
-        assert!(!far.is_empty());
-        let fits =
-            |ladder: &FeLadder| far.iter().map(|s| ladder.fitted_models[s].theta.clone()).collect::<Vec<_>>();
-        let fitted = fits(&ladder);
+        let (fitted, before) = ends(&ladder);
         assert!(ladder.approach_modes().expect("modes"));
-        assert_eq!(fits(&ladder), fitted);
+        let (still, after) = ends(&ladder);
+        assert!(still == fitted && before != after, "{before:?} {after:?}");
+        // Once each; what is not claimed is not weighed.
+        assert!(!ladder.approach_modes().expect("nothing to do"));
+        let set = &far[0];
+        let mode = ladder.fitted_models.get_mut(set).and_then(|f| f.mode.as_mut()).expect("a mode");
+        mode.unseen += 5.0;
+        assert!((ln_z(&ladder, set) - after[0] + 5.0).abs() < 1e-9);
+        // A fit that was not asked is, even where it stands near its own mode: one is known elsewhere.
+        ladder.fitted_models.get_mut(set).expect("a fit").mode = None;
+        ln_z(&ladder, set);
+        assert_eq!(ladder.far_from_modes(), far[..1]);
+    }
+
+    /// A fit of a set begins where its mode was found, if that is denser than the fit; else at the fit.
+    #[test]
+    fn a_mode_that_was_found_is_not_lost_with_its_fit() {
+        let catalogue = effects::catalogue();
+        let (mut ladder, far) = weighed(&catalogue);
+        ladder.approach_modes().expect("modes");
         let beliefs = Beliefs::of(ladder.case(), &catalogue);
         let record = measured(&ladder).expect("a record");
         let all = ladder.fitted_models.values().map(Into::into);
         let scale = Scale::new(&record, all, &catalogue, &beliefs).expect("a record");
         let dense = |linear: &Linear| density(&scale.record, linear, &beliefs.rest).expect("a density");
-        let mut moved = 0;
-        for set in &far {
-            let f = &ladder.fitted_models[set];
+        let moved = |set: &&Vec<String>| {
+            let f = &ladder.fitted_models[*set];
             let (fit, mode) = (scale.linear(f.into()).expect("a fit"), scale.best(f.into()).expect("a mode"));
-            moved += usize::from(fit != mode);
             assert!(fit == mode || dense(&mode) > dense(&fit), "{set:?}");
-        }
-        assert!(moved > 0);
-        // Another fit of the set begins where the mode was found, if that is denser than the fit; else at the fit.
-        let set = far.iter().find(|s| ladder.fitted_models[*s].mode.is_some()).expect("a mode");
+            fit != mode
+        };
+        let set = far.iter().find(moved).expect("one that moved");
         let f = &ladder.fitted_models[set];
         let found = f.mode.as_ref().expect("a mode");
         let begins = |seed: &[f64], there: &inverse::Prediction| {
             let predict = |theta: &[f64]| Ok::<_, EvidenceError>((theta == seed).then(|| there.clone()));
             scale.mode(f.into(), Some(seed), predict).expect("a mode").theta
         };
-        let (astray, nowhere) = (vec![0.0; f.fit.theta.len()], &f.fit.prediction);
         assert_eq!(begins(&found.theta, &found.prediction), found.theta);
-        let poor = inverse::Prediction { values: 2.0 * &nowhere.values, ..nowhere.clone() };
-        assert_eq!(begins(&astray, &poor), f.fit.theta);
+        assert_ne!(found.theta, f.fit.theta);
+        let poor = inverse::Prediction { values: 2.0 * &found.prediction.values, ..found.prediction.clone() };
+        assert_eq!(begins(&found.theta, &poor), f.fit.theta);
         assert_eq!(ladder.modes[set].for_fit(f).as_ref(), Some(&found.theta));
         let other = ladder.fitted_models.iter().find(|(s, _)| *s != set).expect("another set").1;
         assert!(ladder.modes[set].for_fit(other).is_none());
-        assert_ne!(ln_z(&ladder), before);
-        // Once each, and each fit once.
-        assert!(!ladder.approach_modes().expect("nothing to do"));
-        ladder.fitted_models.get_mut(&far[0]).expect("a fit").mode = None;
-        ln_z(&ladder);
-        assert_eq!(ladder.far_from_modes(), far[..1]);
     }
 }

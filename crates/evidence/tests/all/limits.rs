@@ -164,6 +164,33 @@ fn the_mode_is_approached_until_the_linearisation_stands() {
     assert!(!none.stands && none.linear == start && tried.len() == 4, "{tried:?}");
 }
 
+/// The step from far out on an arc tangent ends farther away than it began: a share is taken that is denser, and none that is not.
+#[test]
+fn a_step_to_the_mode_that_is_too_long_is_shortened() {
+    let n = 80;
+    let s = line(n);
+    let y = Random::new(5).normals(n) * 0.02;
+    let at = |z: f64| {
+        let here = DVector::from_fn(n, |i, _| PEAK * z.atan() * s[i]);
+        let jacobian = DMatrix::from_fn(n, 1, |i, _| PEAK * s[i] / (1.0 + z * z));
+        let mut p = parameter("b", Belief::normal(0.0, 20.0), false);
+        p.at = z;
+        Linear { misfit: &y - here, jacobian, parameters: vec![p], jumps: Vec::new() }
+    };
+    let record = record(&data(&y, NoiseModel::white(0.02)), PEAK);
+    let rest = RestPrior::default();
+    let dense = |z: f64| density(&record, &at(z), &rest).expect("a density");
+    let mut tried = Vec::new();
+    let model = |z: &[f64]| {
+        tried.push(z[0]);
+        Ok::<_, EvidenceError>(Some(at(z[0])))
+    };
+    let end = at_the_mode(&record, at(3.0), &rest, (1, 0.1), model).expect("evidence");
+    let (taken, refused) = tried.split_last().expect("a step");
+    assert!(!refused.is_empty() && refused.iter().all(|&z| dense(z) <= dense(3.0)), "{tried:?}");
+    assert!(end.linear.parameters[0].at == *taken && dense(*taken) > dense(3.0), "{tried:?}");
+}
+
 /// Intervals that allow for the rest cover the truth where those of noise alone do not, whatever length it has of those that are
 /// believed: a long one, which a parameter may follow, less often.
 #[test]
