@@ -187,10 +187,12 @@ mod tests {
             let predict = |theta: &[f64]| Ok::<_, EvidenceError>((theta == seed).then(|| there.clone()));
             scale.mode(f.into(), Some(seed), predict).expect("a mode").theta
         };
-        assert_eq!(begins(&found.theta, &found.prediction), found.theta);
-        assert_ne!(found.theta, f.fit.theta);
+        // A little beside it, lest the fit's own step lead there.
+        let beside: Vec<f64> =
+            found.theta.iter().zip(&f.fit.theta).map(|(m, v)| 0.99 * m + 0.01 * v).collect();
+        assert_eq!(begins(&beside, &found.prediction), beside);
         let poor = inverse::Prediction { values: 2.0 * &found.prediction.values, ..found.prediction.clone() };
-        assert_eq!(begins(&found.theta, &poor), f.fit.theta);
+        assert_eq!(begins(&beside, &poor), f.fit.theta);
         assert_eq!(ladder.modes[set].for_fit(f).as_ref(), Some(&found.theta));
         let other = ladder.fitted_models.iter().find(|(s, _)| *s != set).expect("another set").1;
         assert!(ladder.modes[set].for_fit(other).is_none());
