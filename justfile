@@ -32,6 +32,7 @@ kernels:
     cargo bench -p cohesive --bench point
     cargo bench -p fem --bench forward
     cargo bench -p analysis --bench iteration
+    cargo bench -p evidence --bench evidence
     cargo run --release -q -p workspace-tests --example ratios
 
 # CPU seconds of the peers' strips, whole and with their symmetry; FElupe beside them: tests/data/peers/tension.py. Not on a busy machine.

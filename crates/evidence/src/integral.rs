@@ -9,18 +9,21 @@ const MOST: usize = 600;
 
 /// Points with the logarithm of the volume each stands for, so that Σ exp(f + ln volume) is ∫ exp(f).
 /// `f` must have a maximum and fall towards all sides; on a lattice one standard deviation wide the error for a Gaussian is
-/// 2·exp(−2π²). Empty where the function vanishes (−∞) all around the start.
+/// 2·exp(−2π²). Cells where `f` is below `floor` are left out. Empty where it is all around its maximum, or vanishes (−∞) all around
+/// the start.
 pub(crate) fn lattice(
     dimensions: usize,
     start: [f64; 2],
+    floor: f64,
     mut f: impl FnMut([f64; 2]) -> f64,
 ) -> Vec<([f64; 2], f64)> {
-    if dimensions == 0 {
-        return vec![([0.0; 2], 0.0)];
-    }
-    let top = climb(dimensions, start, &mut f);
-    if !f(top).is_finite() {
+    let top = if dimensions > 0 { climb(dimensions, start, &mut f) } else { [0.0; 2] };
+    let mut most = f(top);
+    if !most.is_finite() || most < floor {
         return Vec::new();
+    }
+    if dimensions == 0 {
+        return vec![(top, 0.0)];
     }
     let axes = axes(dimensions, top, &mut f);
     let at = |c: (i32, i32)| {
@@ -28,13 +31,12 @@ pub(crate) fn lattice(
         [0, 1].map(|k| top[k] + axes[0][k] * i + axes[1][k] * j)
     };
     let mut known: BTreeMap<(i32, i32), f64> = BTreeMap::new();
-    let mut most = f(top);
     let mut open = vec![(0, 0)];
     known.insert((0, 0), most);
     while !open.is_empty() && known.len() < MOST {
         let mut next = Vec::new();
         for &c in &open {
-            if known[&c] < most - DEPTH {
+            if known[&c] < floor.max(most - DEPTH) {
                 continue;
             }
             let mut around = vec![(c.0 - 1, c.1), (c.0 + 1, c.1)];
@@ -56,7 +58,7 @@ pub(crate) fn lattice(
     } else {
         (axes[0][0] * axes[1][1] - axes[0][1] * axes[1][0]).abs()
     };
-    let kept = known.into_iter().filter(|(_, value)| *value >= most - DEPTH);
+    let kept = known.into_iter().filter(|(_, value)| *value >= floor.max(most - DEPTH));
     kept.map(|(c, _)| (at(c), volume.ln())).collect()
 }
 
@@ -117,7 +119,7 @@ mod tests {
     use super::*;
 
     fn total(dimensions: usize, f: impl Fn([f64; 2]) -> f64) -> (f64, usize) {
-        let cells = lattice(dimensions, [-4.0, -5.0], &f);
+        let cells = lattice(dimensions, [-4.0, -5.0], f64::NEG_INFINITY, &f);
         (cells.iter().map(|(x, v)| (f(*x) + v).exp()).sum(), cells.len())
     }
 
@@ -134,6 +136,11 @@ mod tests {
             let (got, cells) = total(2, f);
             assert!((got / (tau * sd * sd * 0.6) - 1.0).abs() < 5e-3 && cells < 600, "{sd}: {got} {cells}");
         }
+        // What is below a floor is left out, and nothing is looked at where all is.
+        let peak = |x: [f64; 2]| -0.5 * (x[0] + 3.3).powi(2);
+        let kept = |floor: f64| lattice(1, [-4.0, 0.0], floor, peak);
+        assert!(kept(-2.0).iter().all(|(x, _)| peak(*x) >= -2.0) && kept(-2.0).len() > 3);
+        assert!(kept(-2.0).len() < kept(f64::NEG_INFINITY).len() && kept(0.1).is_empty());
         // ∫ e^y exp(−½ e^{2y}) dy = √(π/2): a half-normal in the logarithm.
         let (got, _) = total(1, |x| x[0] - 0.5 * (2.0 * x[0]).exp());
         assert!((got / (0.25 * tau).sqrt() - 1.0).abs() < 2e-3, "{got}");

@@ -132,10 +132,11 @@ fn jumps(prediction: &Prediction) -> Vec<f64> {
     out
 }
 
-/// The whitened model reduced to a triangle: |L⁻¹(r − H x − E a)|² = |F (x, a, −1)|², F of q + 1 columns.
+/// A model as one covariance weighs it: |L⁻¹(r − H x − E a)|² = (x, a, −1)ᵀ S (x, a, −1).
 #[derive(Clone, Debug)]
 pub(crate) struct Reduced {
-    pub factor: DMatrix<f64>,
+    /// S = XᵀC⁻¹X with X = [H | E | r]: q + 1 rows and columns.
+    pub square: DMatrix<f64>,
     pub ln_det: f64,
     pub points: f64,
 }
@@ -155,13 +156,13 @@ pub(crate) const LN_TAU: f64 = 1.837_877_066_409_345_3;
 impl Reduced {
     /// Mode and curvature; noise and beliefs as they are, mesh factors a ~ N(0, `mesh`²). In shares of the peak.
     pub fn solve(&self, parameters: &[Parameter], mesh: f64) -> Solved {
-        let q = self.factor.ncols() - 1;
-        let mut a = DMatrix::zeros(2 * q + 1, q + 1);
-        a.rows_mut(0, q + 1).copy_from(&self.factor);
+        let q = self.square.ncols() - 1;
+        let mut a = DMatrix::zeros(2 * q, q + 1);
+        a.rows_mut(0, q).copy_from(&self.factor());
         for k in 0..q {
             let (mean, sd) = parameters.get(k).map_or((0.0, mesh), |x| (x.belief.mean - x.at, x.belief.sd));
-            a[(q + 1 + k, k)] = 1.0 / sd;
-            a[(q + 1 + k, q)] = mean / sd;
+            a[(q + k, k)] = 1.0 / sd;
+            a[(q + k, q)] = mean / sd;
         }
         let t = a.qr().r();
         let root = t.view((0, 0), (q, q)).into_owned();
@@ -169,6 +170,35 @@ impl Reduced {
         let step = root.solve_upper_triangular(&rhs).unwrap_or_else(|| DVector::zeros(q));
         Solved { step, root }
     }
+
+    /// F of q rows and q + 1 columns with FᵀF = S but for what no parameter takes from r². Directions in which rounding is all that S
+    /// knows are left out.
+    fn factor(&self) -> DMatrix<f64> {
+        let q = self.square.ncols() - 1;
+        let size = DVector::from_fn(q, |k, _| self.square[(k, k)].max(f64::MIN_POSITIVE).sqrt());
+        let even = DMatrix::from_fn(q, q, |i, j| self.square[(i, j)] / (size[i] * size[j]));
+        let (squares, axes) = told_apart(even);
+        let pull = DVector::from_fn(q, |k, _| self.square[(k, q)] / size[k]);
+        let mut out = DMatrix::zeros(q, q + 1);
+        for (i, s) in squares.iter().enumerate().filter(|s| *s.1 > 0.0) {
+            for k in 0..q {
+                out[(i, k)] = s.sqrt() * axes[(k, i)] * size[k];
+            }
+            out[(i, q)] = axes.column(i).dot(&pull) / s.sqrt();
+        }
+        out
+    }
+}
+
+/// Eigenvalues and eigenvectors of a symmetric matrix; 0 for those in which rounding is all that it knows.
+pub(crate) fn told_apart(a: DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
+    if a.is_empty() {
+        return (DVector::zeros(0), DMatrix::zeros(0, 0));
+    }
+    let rounding = 4.0 * a.nrows() as f64 * f64::EPSILON;
+    let parts = a.symmetric_eigen();
+    let least = rounding * parts.eigenvalues.max();
+    (parts.eigenvalues.map(|s| if s > least { s } else { 0.0 }), parts.eigenvectors)
 }
 
 impl Solved {

@@ -29,6 +29,10 @@ pub struct View<'a> {
     pub amplitude: f64,
 }
 
+/// Sizes of the rest, wherever it is and whatever its form, and levels of the noise, whose integrand is below the largest by more
+/// than this (nats) are left out.
+pub(crate) const NEGLIGIBLE: f64 = 10.0;
+
 /// Which rest: its parts, its place, its lengths and form, and the prior mass of the last three.
 struct Support {
     support: usize,
@@ -74,11 +78,12 @@ impl Evidence {
         let shares = Shares::of(record, linear);
         let mut out = Self::empty(record, linear);
         let view = View { rest, amplitude: 1.0 };
+        let mut most = f64::NEG_INFINITY;
         for (support, parts) in SUPPORTS.into_iter().enumerate() {
             for (only, m1) in rest.places(parts, record.tests) {
                 for (lengths, m2) in rest.shapes(parts) {
                     let at = Support { support, only, lengths, ln_mass: (m1 * m2).ln() };
-                    let nodes = out.integrate(record, &shares, kernel, &view, &at);
+                    let nodes = out.integrate(record, &shares, kernel, &view, &at, &mut most);
                     out.nodes.extend(nodes);
                 }
             }
@@ -152,7 +157,8 @@ impl Evidence {
         }
     }
 
-    /// The nodes of one support, place and shape.
+    /// The nodes of one support, place and shape. `most` is the largest integrand of all so far, prior masses counted: what is
+    /// [`NEGLIGIBLE`] beside it is left out.
     fn integrate(
         &self,
         record: &Record,
@@ -160,6 +166,7 @@ impl Evidence {
         kernel: Kernel,
         view: &View<'_>,
         &Support { support, only, lengths, ln_mass }: &Support,
+        most: &mut f64,
     ) -> Vec<Node> {
         let [smooth, jerk] = SUPPORTS[support];
         let size = |y: [f64; 2]| match (smooth, jerk) {
@@ -168,29 +175,33 @@ impl Evidence {
             (false, true) => RestSize { upsilon: y[0].exp(), ..lengths },
             (true, true) => RestSize { tau: y[0].exp(), upsilon: y[1].exp(), ..lengths },
         };
-        let node = |y: [f64; 2], ln_volume: f64| {
+        let node = |y: [f64; 2]| {
             let size = size(y);
             let reduced = reduce(record, shares, (size, only), kernel);
             let ln_z = self.over_noise(&reduced, &self.beliefs, None);
-            Node { size, support, only, ln_volume, reduced, ln_z }
+            Node { size, support, only, ln_volume: 0.0, reduced, ln_z }
         };
         let first = if smooth { view.rest.smooth } else { view.rest.jerk };
         let start = [(0.5 * first).ln(), (0.5 * view.rest.jerk).ln()];
-        let mut seen: Vec<([f64; 2], Node)> = Vec::new();
+        let mut seen: Vec<([f64; 2], f64, Node)> = Vec::new();
         let dimensions = usize::from(smooth) + usize::from(jerk);
-        let cells = lattice(dimensions, start, |y| {
-            let at = node(y, 0.0);
+        let cells = lattice(dimensions, start, *most - NEGLIGIBLE - ln_mass, |y| {
+            if let Some(known) = seen.iter().find(|s| s.0 == y) {
+                return known.1;
+            }
+            let at = node(y);
             let [own, other] = self.node_value(&at, &at.ln_z, view.rest);
-            seen.push((y, at));
             // Both are wanted on the same points, where either counts.
-            ln_sum_exp([own, other - 2.0])
+            let here = ln_sum_exp([own, other - 2.0]);
+            seen.push((y, here, at));
+            here
         });
-        let mut kept = |(y, volume)| {
-            let known = seen.iter().position(|(s, _)| *s == y);
-            let at = known.map_or_else(|| node(y, 0.0), |k| seen.swap_remove(k).1);
-            Node { ln_volume: ln_mass + volume, ..at }
-        };
-        cells.into_iter().map(&mut kept).collect()
+        let kept = cells.into_iter().filter_map(|(y, volume)| {
+            let (_, here, at) = seen.swap_remove(seen.iter().position(|s| s.0 == y)?);
+            *most = most.max(here + ln_mass);
+            Some(Node { ln_volume: ln_mass + volume, ..at })
+        });
+        kept.collect()
     }
 
     /// ln Z under other priors, of a complete model's rest and of one with a cause outside the catalogue. The sizes of the

@@ -1,7 +1,7 @@
 //! One size of the rest: the integrand there, over all scales of the noise.
 
 use crate::linear::Reduced;
-use crate::model::{Evidence, Kernel, View};
+use crate::model::{Evidence, Kernel, NEGLIGIBLE, View};
 use crate::orthogonal;
 use crate::record::Record;
 use crate::rest::{RestPrior, RestSize, SUPPORTS};
@@ -11,9 +11,6 @@ use crate::spectrum::{Beliefs, Spectrum};
 
 /// Where a noise level estimated with fewer degrees of freedom than this is integrated over.
 const KNOWN: f64 = 1e4;
-
-/// Scales of the noise that are so far below the best (nats) are negligible.
-const NEGLIGIBLE: f64 = 16.0;
 
 /// The two-point Gauss–Legendre rule for the mesh error's scale in [0, 1].
 const MESH_SCALES: [f64; 2] = [0.211_324_865_405, 0.788_675_134_595];
@@ -32,7 +29,7 @@ pub(crate) struct Node {
     pub ln_z: Vec<f64>,
 }
 
-/// The whitened model at one size of the rest, reduced to a triangle.
+/// The model at one size of the rest.
 pub(crate) fn reduce(
     record: &Record,
     shares: &Shares,
@@ -40,33 +37,17 @@ pub(crate) fn reduce(
     kernel: Kernel,
 ) -> Reduced {
     let Shares { x, parameters, .. } = shares;
-    let parameters = *parameters;
     let processes = shares.processes(record, size, only);
     let mut ln_det: f64 = processes.iter().map(|p| p.ln_det).sum();
-    let mut white = x.clone();
-    for mut column in white.column_iter_mut() {
-        let mut left = column.as_mut_slice();
-        for (block, process) in record.blocks.iter().zip(&processes) {
-            let (here, rest) = left.split_at_mut(block.rows.len());
-            process.whiten(here);
-            left = rest;
-        }
-    }
-    let orthogonal = kernel == Kernel::Orthogonal && (size.tau > 0.0 || size.upsilon > 0.0) && parameters > 0;
-    if let Some((rows, ln)) =
-        orthogonal.then(|| orthogonal::rows(record, &processes, x, parameters)).flatten()
-    {
-        let n = white.nrows();
-        white = white.insert_rows(n, rows.nrows(), 0.0);
-        white.rows_mut(n, rows.nrows()).copy_from(&rows);
+    let mut square = shares.square(&processes);
+    let orthogonal =
+        kernel == Kernel::Orthogonal && (size.tau > 0.0 || size.upsilon > 0.0) && *parameters > 0;
+    let further = orthogonal.then(|| orthogonal::rows(record, &processes, x, *parameters)).flatten();
+    if let Some((rows, ln)) = further {
+        square += rows.tr_mul(&rows);
         ln_det += ln;
     }
-    let q = x.ncols();
-    if white.nrows() < q {
-        let n = white.nrows();
-        white = white.insert_rows(n, q - n, 0.0);
-    }
-    Reduced { factor: white.qr().r(), ln_det, points: record.used as f64 }
+    Reduced { square, ln_det, points: record.used as f64 }
 }
 
 /// Scales κ of the noise's level with the logarithms of their masses: ln κ normal with the standard error that the level was

@@ -176,6 +176,26 @@ impl<'a> Process<'a> {
         }
     }
 
+    /// Number of points.
+    pub(crate) fn points(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// L⁻¹ V of so many columns at once, in place; `v` holds them point by point.
+    pub(crate) fn whiten_all(&self, v: &mut [f64], columns: usize) {
+        let mut states = vec![[0.0; 4]; columns];
+        for (row, step) in v.chunks_exact_mut(columns.max(1)).zip(&self.steps) {
+            for (x, m) in row.iter_mut().zip(&mut states) {
+                *m = step.forward(m);
+                let innovation = *x - (step.factor * (m[0] + m[2]) + m[3]);
+                for (m, gain) in m.iter_mut().zip(&step.gain) {
+                    *m += gain * innovation;
+                }
+                *x = innovation * step.weight;
+            }
+        }
+    }
+
     /// L⁻ᵀ w, in place.
     pub fn whiten_transposed(&self, w: &mut [f64]) {
         let mut m = [0.0; 4];

@@ -10,6 +10,8 @@ use nalgebra::DMatrix;
 pub(crate) struct Shares {
     /// Columns [H | mesh | r].
     pub x: DMatrix<f64>,
+    /// The same with a column for each point.
+    across: DMatrix<f64>,
     /// How many of them are parameters.
     pub parameters: usize,
     /// What the model predicts where it is linearised, block by block, over its root mean square there: a rest that goes with it is
@@ -55,7 +57,20 @@ impl Shares {
             here.collect()
         };
         let jumps = record.blocks.iter().map(jumps).collect();
-        Self { x, parameters, profile, jumps }
+        Self { across: x.transpose(), x, parameters, profile, jumps }
+    }
+
+    /// XᵀC⁻¹X, X all columns: what a covariance leaves of them.
+    pub fn square(&self, processes: &[Process<'_>]) -> DMatrix<f64> {
+        let mut white = self.across.clone();
+        let columns = white.nrows();
+        let mut left = white.as_mut_slice();
+        for process in processes {
+            let (here, rest) = left.split_at_mut(process.points() * columns);
+            process.whiten_all(here, columns);
+            left = rest;
+        }
+        &white * white.transpose()
     }
 
     /// Noise and rest of every block, for one size of the rest that is in `only` one test or in all.

@@ -1,9 +1,15 @@
 //! The Gaussian integral over the parameters at one covariance, for every scale of the noise at once.
 //!
-//! In units of their beliefs the parameters are u ~ N(0, 1), and the whitened model is |S u − h|² + ρ². With the singular values
-//! of S the integral over u is a sum for any scale κ, where a triangle would have to be made anew for each.
+//! In units of their beliefs the parameters are u ~ N(e, 1), and the whitened misfit is |S u − r|². With the eigenvalues s² of SᵀS and
+//! p = Sᵀr in their directions, the least of |S u − r|²/κ² + |u − e|² is a sum for any scale κ,
+//!
+//! ```text
+//! r²/κ² + Σ [s²e² − 2pe − p²/κ²]/(s² + κ²)     at     u = (p + κ²e)/(s² + κ²),
+//! ```
+//!
+//! where a triangle would have to be made anew for each.
 
-use crate::linear::{LN_TAU, Parameter, Reduced};
+use crate::linear::{LN_TAU, Parameter, Reduced, told_apart};
 use crate::truncated::{Belief, ln_box};
 use nalgebra::{DMatrix, DVector};
 
@@ -56,13 +62,16 @@ impl Beliefs {
 pub(crate) struct Spectrum<'a> {
     beliefs: &'a Beliefs,
     sd: DVector<f64>,
-    /// Squares of the singular values of S.
+    /// Eigenvalues of SᵀS.
     squares: DVector<f64>,
-    /// Uᵀh.
-    wanted: DVector<f64>,
+    /// p.
+    pull: DVector<f64>,
+    /// e.
+    believed: DVector<f64>,
     /// Vᵀ.
     directions: DMatrix<f64>,
-    left: f64,
+    /// r².
+    misfit: f64,
     ln_det: f64,
     points: f64,
 }
@@ -70,27 +79,22 @@ pub(crate) struct Spectrum<'a> {
 impl<'a> Spectrum<'a> {
     /// With mesh factors a ~ N(0, `mesh`²).
     pub fn new(reduced: &Reduced, beliefs: &'a Beliefs, mesh: f64) -> Self {
-        let q = reduced.factor.ncols() - 1;
+        let q = reduced.square.ncols() - 1;
         let mut sd = beliefs.sd.clone();
         sd.rows_mut(beliefs.parameters, q - beliefs.parameters).fill(mesh);
-        let triangle = reduced.factor.view((0, 0), (q, q));
-        let h = reduced.factor.view((0, q), (q, 1)).column(0) - triangle * &beliefs.mean;
-        let mut scaled = triangle.into_owned();
-        for (mut column, sd) in scaled.column_iter_mut().zip(sd.iter()) {
-            column *= *sd;
-        }
-        // Nothing is decomposed where nothing is free.
-        let svd = (q > 0).then(|| scaled.svd(true, true));
-        let parts = svd.and_then(|s| Some((s.u?, s.singular_values, s.v_t?)));
-        let (u, values, directions) =
-            parts.unwrap_or_else(|| (DMatrix::zeros(q, q), DVector::zeros(q), DMatrix::zeros(q, q)));
+        let scaled = DMatrix::from_fn(q, q, |i, j| sd[i] * reduced.square[(i, j)] * sd[j]);
+        let pull = DVector::from_fn(q, |k, _| sd[k] * reduced.square[(k, q)]);
+        let (squares, axes) = told_apart(scaled);
+        // What the records do not see does not pull.
+        let pull = axes.tr_mul(&pull).zip_map(&squares, |p, s| if s > 0.0 { p } else { 0.0 });
         Self {
             beliefs,
+            pull,
+            believed: axes.tr_mul(&beliefs.mean.component_div(&sd)),
             sd,
-            squares: values.map(|s| s * s),
-            wanted: u.tr_mul(&h),
-            directions,
-            left: reduced.factor[(q, q)].powi(2),
+            squares,
+            directions: axes.transpose(),
+            misfit: reduced.square[(q, q)],
             ln_det: reduced.ln_det,
             points: reduced.points,
         }
@@ -99,9 +103,9 @@ impl<'a> Spectrum<'a> {
     /// ln ∫ p(r | x, a) p(x) p(a) dx da with noise and rest scaled by `kappa`. In shares of the peak.
     pub fn ln_z(&self, kappa: f64) -> f64 {
         let square = kappa * kappa;
-        let (mut misfit, mut ln_volume) = (self.left / square, 0.0);
-        for (s, g) in self.squares.iter().zip(self.wanted.iter()) {
-            misfit += g * g / (s + square);
+        let (mut misfit, mut ln_volume) = (self.misfit / square, 0.0);
+        for ((s, p), e) in self.squares.iter().zip(self.pull.iter()).zip(self.believed.iter()) {
+            misfit += (s * e * e - 2.0 * p * e - p * p / square) / (s + square);
             ln_volume -= 0.5 * (s / square).ln_1p();
         }
         ln_volume - 0.5 * (misfit + self.ln_det + self.points * (LN_TAU + square.ln()))
@@ -111,8 +115,8 @@ impl<'a> Spectrum<'a> {
     /// ln of what the bounds leave of the posterior, over what they leave of the beliefs.
     fn ln_bounds(&self, square: f64) -> f64 {
         let bounded = &self.beliefs.bounded;
-        let pull: Vec<f64> =
-            self.squares.iter().zip(self.wanted.iter()).map(|(s, g)| s.sqrt() * g / (s + square)).collect();
+        let parts = self.squares.iter().zip(self.pull.iter()).zip(self.believed.iter());
+        let mode: Vec<f64> = parts.map(|((s, p), e)| (p + square * e) / (s + square)).collect();
         let narrower: Vec<f64> = self.squares.iter().map(|s| square / (s + square)).collect();
         let covariance = |i: usize, j: usize| {
             let (a, b) = (self.directions.column(i), self.directions.column(j));
@@ -122,8 +126,7 @@ impl<'a> Spectrum<'a> {
         let mut near = Vec::new();
         for b in bounded {
             let column = self.directions.column(b.place);
-            let step: f64 = column.iter().zip(&pull).map(|(v, p)| v * p).sum();
-            let here = self.beliefs.mean[b.place] + self.sd[b.place] * step;
+            let here = self.sd[b.place] * column.iter().zip(&mode).map(|(v, u)| v * u).sum::<f64>();
             let spread = covariance(b.place, b.place).max(0.0).sqrt();
             // Others the posterior does not reach.
             if here - 9.0 * spread < b.lower || here + 9.0 * spread > b.upper {
@@ -147,8 +150,8 @@ mod tests {
         parameters: &[Parameter],
         (wider, mesh, kappa): (f64, f64, f64),
     ) -> f64 {
-        let q = reduced.factor.ncols() - 1;
-        let square = &reduced.factor.tr_mul(&reduced.factor) / (kappa * kappa);
+        let q = reduced.square.ncols() - 1;
+        let square = &reduced.square / (kappa * kappa);
         let belief = |k: usize| {
             parameters.get(k).map_or(Belief::normal(0.0, mesh), |p| {
                 let sd = p.belief.sd * if p.amplitude { wider } else { 1.0 };
@@ -180,6 +183,40 @@ mod tests {
             - before
     }
 
+    /// Records that are next to without noise and know x + 2y alone: of x and y apart the beliefs stay. In closed form.
+    #[test]
+    fn what_is_not_told_apart_keeps_its_beliefs_without_noise() {
+        let free =
+            |k: usize, belief: Belief| Parameter { path: format!("p{k}"), at: 0.0, belief, amplitude: false };
+        let (x, y) = (Belief::normal(0.5, 0.3), Belief::above(0.2, 0.4));
+        // Linearised at a fit: what is left is of the noise's size.
+        let (known, size) = (2e-10, 1e10);
+        // One column of the reduced model, and twice it.
+        let column = |share: f64| DVector::from_element(16, 0.25 * share * size);
+        let columns = DMatrix::from_columns(&[column(1.0), column(2.0), column(known)]);
+        let reduced = Reduced { square: columns.tr_mul(&columns), ln_det: 0.0, points: 16.0 };
+        let beliefs = Beliefs::new(&[free(0, x), free(1, y)], 1.0, 0);
+        for kappa in [1.0, 0.5] {
+            let got = Spectrum::new(&reduced, &beliefs, 1.0).ln_z(kappa);
+            let noise = (kappa / size).powi(2);
+            let (mean, variance) = (x.mean + 2.0 * y.mean, x.sd.powi(2) + 4.0 * y.sd.powi(2));
+            let ln_sum = -0.5 * ((known - mean).powi(2) / (variance + noise) + (variance / noise).ln_1p());
+            // y beside what is known of x + 2y, and above its bound.
+            let gain = 2.0 * y.sd.powi(2) / variance;
+            let (at, sd) = (y.mean + gain * (known - mean), y.sd * (1.0 - 2.0 * gain).sqrt());
+            let inside = ln_box(
+                &DVector::zeros(1),
+                &DMatrix::from_element(1, 1, sd * sd),
+                &[(y.lower - at, f64::INFINITY)],
+            );
+            let want = ln_sum - 0.5 * 16.0 * (LN_TAU + 2.0 * kappa.ln()) + inside + std::f64::consts::LN_2;
+            assert!((got - want).abs() < 1e-3, "{kappa}: {got} {want}");
+            let solved = reduced.solve(&[free(0, x), free(1, y)], 1.0);
+            assert!((solved.step[1] - at).abs() < 1e-4, "{} {at}", solved.step[1]);
+            assert!((solved.covariance()[(1, 1)].sqrt() / sd - 1.0).abs() < 1e-4);
+        }
+    }
+
     #[test]
     fn it_is_the_integral_by_normal_equations() {
         let mut random = Random::new(11);
@@ -202,7 +239,7 @@ mod tests {
             DMatrix::from_fn(60, 7, |_, k| random.normal() * [1e3, 1.0, 10.0, 0.01, 1.0, 0.1, 3.0][k]);
         let twice = x.column(0) * 0.5 + x.column(3);
         x.set_column(2, &twice);
-        let reduced = Reduced { factor: x.qr().r(), ln_det: 3.0, points: 60.0 };
+        let reduced = Reduced { square: x.tr_mul(&x), ln_det: 3.0, points: 60.0 };
         for (wider, mesh, kappa) in [(1.0, 0.2, 1.0), (2.0, 0.8, 0.6), (0.5, 0.5, 1.7)] {
             let beliefs = Beliefs::new(&parameters, wider, 2);
             let got = Spectrum::new(&reduced, &beliefs, mesh).ln_z(kappa);
