@@ -183,38 +183,54 @@ mod tests {
             - before
     }
 
-    /// Records that are next to without noise and know x + 2y alone: of x and y apart the beliefs stay. In closed form.
+    /// Records that are next to without noise and know one sum of four parameters alone: of each apart the beliefs stay. In closed form.
     #[test]
     fn what_is_not_told_apart_keeps_its_beliefs_without_noise() {
-        let free =
-            |k: usize, belief: Belief| Parameter { path: format!("p{k}"), at: 0.0, belief, amplitude: false };
-        let (x, y) = (Belief::normal(0.5, 0.3), Belief::above(0.2, 0.4));
+        let above = Belief::above(0.2, 0.4);
+        let of = [Belief::normal(0.5, 0.3), above, Belief::normal(-0.3, 0.7), Belief::normal(0.1, 0.2)];
+        let times = [1.0, 1.7, 0.6, -0.37];
+        let free = |(k, belief): (usize, &Belief)| Parameter {
+            path: format!("p{k}"),
+            at: 0.0,
+            belief: *belief,
+            amplitude: false,
+        };
+        let parameters: Vec<Parameter> = of.iter().enumerate().map(free).collect();
         // Linearised at a fit: what is left is of the noise's size.
         let (known, size) = (2e-10, 1e10);
-        // One column of the reduced model, and twice it.
-        let column = |share: f64| DVector::from_element(16, 0.25 * share * size);
-        let columns = DMatrix::from_columns(&[column(1.0), column(2.0), column(known)]);
+        let shape = Random::new(3).normals(16).normalize();
+        let columns: Vec<_> = times.iter().chain([&known]).map(|t| &shape * (t * size)).collect();
+        let columns = DMatrix::from_columns(&columns);
         let reduced = Reduced { square: columns.tr_mul(&columns), ln_det: 0.0, points: 16.0 };
-        let beliefs = Beliefs::new(&[free(0, x), free(1, y)], 1.0, 0);
+        let sum = |f: fn(&Belief, f64) -> f64| of.iter().zip(times).map(|(b, t)| f(b, t)).sum::<f64>();
+        let (mean, variance) = (sum(|b, t| t * b.mean), sum(|b, t| (t * b.sd).powi(2)));
+        // The second beside what is known of the sum, and above its bound.
+        let gain = times[1] * above.sd.powi(2) / variance;
+        let at = above.mean + gain * (known - mean);
+        let sd = above.sd * (1.0 - times[1] * gain).sqrt();
+        let beyond = (above.lower - at, f64::INFINITY);
+        let inside = ln_box(&DVector::zeros(1), &DMatrix::from_element(1, 1, sd * sd), &[beyond]);
+        let beliefs = Beliefs::new(&parameters, 1.0, 0);
+        // Beside it much that no parameter takes, by which what is rounding would be pulled.
+        let left = 1e7;
+        let other = Random::new(4).normals(16);
+        let other = (&other - &shape * shape.dot(&other)).normalize() * left;
+        let mut missed = columns.clone();
+        missed.column_mut(4).axpy(1.0, &other, 1.0);
+        let missed = Reduced { square: missed.tr_mul(&missed), ..reduced.clone() };
         for kappa in [1.0, 0.5] {
             let got = Spectrum::new(&reduced, &beliefs, 1.0).ln_z(kappa);
+            let beside = Spectrum::new(&missed, &beliefs, 1.0).ln_z(kappa) + 0.5 * (left / kappa).powi(2);
             let noise = (kappa / size).powi(2);
-            let (mean, variance) = (x.mean + 2.0 * y.mean, x.sd.powi(2) + 4.0 * y.sd.powi(2));
             let ln_sum = -0.5 * ((known - mean).powi(2) / (variance + noise) + (variance / noise).ln_1p());
-            // y beside what is known of x + 2y, and above its bound.
-            let gain = 2.0 * y.sd.powi(2) / variance;
-            let (at, sd) = (y.mean + gain * (known - mean), y.sd * (1.0 - 2.0 * gain).sqrt());
-            let inside = ln_box(
-                &DVector::zeros(1),
-                &DMatrix::from_element(1, 1, sd * sd),
-                &[(y.lower - at, f64::INFINITY)],
-            );
             let want = ln_sum - 0.5 * 16.0 * (LN_TAU + 2.0 * kappa.ln()) + inside + std::f64::consts::LN_2;
             assert!((got - want).abs() < 1e-3, "{kappa}: {got} {want}");
-            let solved = reduced.solve(&[free(0, x), free(1, y)], 1.0);
-            assert!((solved.step[1] - at).abs() < 1e-4, "{} {at}", solved.step[1]);
-            assert!((solved.covariance()[(1, 1)].sqrt() / sd - 1.0).abs() < 1e-4);
+            // To the rounding of what is left.
+            assert!((beside - want).abs() < 1.0, "{kappa}: {beside} {want}");
         }
+        let solved = reduced.solve(&parameters, 1.0);
+        assert!((solved.step[1] - at).abs() < 1e-4, "{} {at}", solved.step[1]);
+        assert!((solved.covariance()[(1, 1)].sqrt() / sd - 1.0).abs() < 1e-4);
     }
 
     #[test]
