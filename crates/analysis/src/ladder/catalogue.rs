@@ -76,9 +76,10 @@ impl FeLadder<'_> {
         !open.is_empty()
     }
 
-    /// The same where `identify` of them ends.
+    /// Those that lead, where `identify` of them ends: a fit that ended early, and has next to no share, has begun once more before that.
     fn end_rivals_as_identified(&mut self, done: &mut Done, now: &Now) -> bool {
-        let open = self.rivals(now, &done.ended);
+        let mut open = self.rivals(now, &done.ended);
+        open.retain(|s| now.leads.contains(s));
         self.fit_again(&open, |ladder, _, f| ladder.end_as_identified(f));
         done.ended.extend(open.iter().cloned());
         !open.is_empty()
