@@ -165,15 +165,7 @@ impl<'a> Process<'a> {
 
     /// L⁻¹ v, in place.
     pub fn whiten(&self, v: &mut [f64]) {
-        let mut m = [0.0; 4];
-        for (x, step) in v.iter_mut().zip(&self.steps) {
-            m = step.forward(&m);
-            let innovation = *x - (step.factor * (m[0] + m[2]) + m[3]);
-            for (m, gain) in m.iter_mut().zip(&step.gain) {
-                *m += gain * innovation;
-            }
-            *x = innovation * step.weight;
-        }
+        self.whiten_all(v, 1);
     }
 
     /// Number of points.

@@ -215,7 +215,7 @@ fn off_bounds(of: &Fitted, model: &Model, theta: &mut [f64]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ladder::catalogue::Now;
+    use crate::ladder::catalogue::{Done, Now};
     use crate::ladder::tests::unexplained;
 
     /// What misses the records by far, wherever it stood, goes to where `identify` of its model ends on the file's mesh.
@@ -235,6 +235,31 @@ mod tests {
         );
         assert!(found.quality.reduced_chi2_total > FAR && found.settled);
         assert!(found.fit.f <= 1.001 * identified, "{} for {}", found.fit.f, identified);
+    }
+
+    /// All that is near begins once more, and what leads ends where `identify` of it does; each once.
+    #[test]
+    fn what_leads_is_taken_to_where_identify_ends_and_its_rivals_are_not() {
+        let catalogue = effects::catalogue();
+        let mut ladder = unexplained(&catalogue);
+        let sets = ["compliance", "slack"].map(|e| vec![e.to_owned()]);
+        ladder.columns_at(&[]).expect("columns");
+        ladder.fit_sets(&sets).expect("fits");
+        let (found, posterior, models) = ladder.posterior().expect("probabilities");
+        let mut now = Now { found, posterior, models, noise: true, leads: sets[..1].to_vec() };
+        let mut done = Done::default();
+        assert!(
+            !ladder.begin_rivals_again(&mut done, &now) && !ladder.end_leaders_as_identified(&mut done, &now)
+        );
+        now.noise = false;
+        assert!(
+            ladder.begin_rivals_again(&mut done, &now) && ladder.end_leaders_as_identified(&mut done, &now)
+        );
+        assert_eq!(done.twice, sets.iter().cloned().collect());
+        assert_eq!(done.ended, sets[..1].iter().cloned().collect());
+        assert!(
+            !ladder.begin_rivals_again(&mut done, &now) && !ladder.end_leaders_as_identified(&mut done, &now)
+        );
     }
 
     /// Of the fits that ended worse than the base, those that did so clearly begin once more, where the base leaves more than noise.

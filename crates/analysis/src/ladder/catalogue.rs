@@ -44,7 +44,7 @@ impl FeLadder<'_> {
             let moved = self.fit_likely(&mut done, &now)?
                 || self.approach_modes()?
                 || self.begin_rivals_again(&mut done, &now)
-                || self.end_rivals_as_identified(&mut done, &now)
+                || self.end_leaders_as_identified(&mut done, &now)
                 || self.fit_others(&mut done, &now)?
                 || self.settle_leaders(&mut done, &now)?
                 || self.screen_leaders(&now)?
@@ -68,32 +68,40 @@ impl FeLadder<'_> {
         Ok(!likely.is_empty())
     }
 
-    /// The leading sets and their rivals once more from the record, where more than noise is left.
-    fn begin_rivals_again(&mut self, done: &mut Done, now: &Now) -> bool {
-        let open = self.rivals(now, &done.twice);
+    /// The leading sets once more from the record, where more than noise is left, and single effects whose evidence was worth its
+    /// integral: a fit that ended early has next to no share of the posterior, and what leads instead takes it.
+    pub(super) fn begin_rivals_again(&mut self, done: &mut Done, now: &Now) -> bool {
+        let open = {
+            let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+            let near = |s: &[String]| known.weighed(s).is_some_and(|m| m.judged.is_some());
+            self.unsettled(now, &done.twice, |s| {
+                now.leads.iter().any(|l| l == s) || (s.len() == 1 && near(s))
+            })
+        };
         self.fit_again(&open, |ladder, _, f| ladder.restart_as_identified(f));
         done.twice.extend(open.iter().cloned());
         !open.is_empty()
     }
 
-    /// Those that lead, where `identify` of them ends: a fit that ended early, and has next to no share, has begun once more before that.
-    fn end_rivals_as_identified(&mut self, done: &mut Done, now: &Now) -> bool {
-        let mut open = self.rivals(now, &done.ended);
-        open.retain(|s| now.leads.contains(s));
+    /// The leading sets where `identify` of them ends. For all of the others that would take longer than the search.
+    pub(super) fn end_leaders_as_identified(&mut self, done: &mut Done, now: &Now) -> bool {
+        let open = self.unsettled(now, &done.ended, |s| now.leads.iter().any(|l| l == s));
         self.fit_again(&open, |ladder, _, f| ladder.end_as_identified(f));
         done.ended.extend(open.iter().cloned());
         !open.is_empty()
     }
 
-    /// Where more than noise is left, the leading sets, and single effects whose evidence was worth its integral, that are not on the
-    /// file's mesh, nor among these. A fit that ended early has next to no share of the posterior, and what leads instead takes it.
-    fn rivals(&self, now: &Now, but: &BTreeSet<Vec<String>>) -> Vec<Vec<String>> {
-        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        let near = |s: &[String]| known.weighed(s).is_some_and(|m| m.judged.is_some());
-        let open = self.fitted_models.iter().filter(|(s, f)| {
-            let counts = now.leads.contains(s) || (s.len() == 1 && near(s));
-            counts && !now.noise && !f.settled && !s.is_empty() && !but.contains(*s)
-        });
+    /// Where more than noise is left, those sets with effects that count, are not on the file's mesh, and not among these.
+    fn unsettled(
+        &self,
+        now: &Now,
+        but: &BTreeSet<Vec<String>>,
+        counts: impl Fn(&[String]) -> bool,
+    ) -> Vec<Vec<String>> {
+        let open = self
+            .fitted_models
+            .iter()
+            .filter(|(s, f)| !now.noise && !f.settled && !s.is_empty() && !but.contains(*s) && counts(s));
         open.map(|(s, _)| s.clone()).collect()
     }
 
