@@ -1,7 +1,6 @@
-//! Fitted models computed at the modes of their posteriors, on the mesh of their fit.
+//! Fitted models computed at the modes of their posteriors.
 
 use super::{FeLadder, Fitted, named};
-use crate::columns::transfer;
 use crate::cost::Phase;
 use crate::identify::{AnalysisError, TRIAL_BUDGET};
 use crate::probable::measured;
@@ -73,36 +72,17 @@ impl FeLadder<'_> {
         open.map(|(key, _)| key.clone()).collect()
     }
 
+    /// On the search's mesh, with what the file's says more around the fit: where the mode is far, much is left, beside which the two
+    /// meshes hardly differ.
     fn mode_of(&self, key: &[String], scale: &Scale) -> Result<Mode, AnalysisError> {
         let f = &self.fitted_models[key];
         let seed = self.modes.get(key).and_then(|s| s.for_fit(f));
-        let slots = &self.measured.slots;
-        if !f.settled {
-            let (theta, free) = (f.theta.clone(), f.free.clone());
-            let mut problem = FeProblem::new(&f.model, theta, free, slots, self.options, self.cancelled);
-            problem.options.stepping.budget = TRIAL_BUDGET;
-            problem.patience = Some(Patience::FIT);
-            problem.correction = f.correction.clone();
-            problem.start_from(f.warm.clone());
-            return self.mode_by(&problem, f, seed, scale);
-        }
-        let fine = self.on_file_mesh(&f.model)?;
-        let theta = transfer(&f.model, &f.theta, &fine);
-        let options = self.file_options();
-        let problem = FeProblem::new(&fine, theta, fine.free(), slots, options, self.cancelled);
-        if let Some(s) = &self.fine_states {
-            problem.start_from(s.guesses(&fine, &options));
-        }
-        self.mode_by(&problem, f, seed, scale)
-    }
-
-    fn mode_by(
-        &self,
-        problem: &FeProblem,
-        f: &Fitted,
-        seed: Option<Vec<f64>>,
-        scale: &Scale,
-    ) -> Result<Mode, AnalysisError> {
+        let (theta, free, slots) = (f.theta.clone(), f.free.clone(), &self.measured.slots);
+        let mut problem = FeProblem::new(&f.model, theta, free, slots, self.options, self.cancelled);
+        problem.options.stepping.budget = TRIAL_BUDGET;
+        problem.patience = Some(Patience::FIT);
+        problem.correction = f.correction.clone();
+        problem.start_from(f.warm.clone());
         scale.mode(f.into(), seed.as_deref(), |theta: &[f64]| {
             self.runs.fetch_add(1, Ordering::Relaxed);
             match problem.predict(theta, true) {
