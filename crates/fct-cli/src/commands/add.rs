@@ -9,9 +9,12 @@ use ::report::{ReportError, StoredRun};
 use analysis::keeps_meaning;
 use input::edit::{add_effect, choose_law};
 use input::{LawRegistry, LawSite, keys_of_law};
-use model::Options;
+use model::cost::Purpose;
+use model::{Discretisation, Effect, Model, Options};
+use params::ParamSpec;
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Arguments of `fct add`.
 #[derive(Clone, Debug, clap::Args)]
@@ -34,7 +37,23 @@ fn finding(run: &StoredRun, effect: &str) -> Result<Option<Value>, ReportError> 
         .find_map(|answer| answer["screen"].as_array()?.iter().find(|f| f["effect"] == effect).cloned()))
 }
 
-/// Writes the config with the effect, started from the run's screen where there is one; comments and order kept.
+/// What is ordinary of an effect on the records of a file; nothing where it has none, or cannot be run as it is.
+fn ordinary(effect: &dyn Effect, file: &Path, session: &Session) -> Vec<f64> {
+    let catalogue = &session.catalogue;
+    let model = input::read_case(file, catalogue).ok().and_then(|case| {
+        Model::checked(Arc::new(case), catalogue, Discretisation::default(), Purpose::Fit).ok()
+    });
+    let recorded = model.filter(|m| m.tests.iter().any(|t| t.test.record.is_some()));
+    recorded.map(|m| effect.start(&analysis::scales(&m, &m.theta()))).unwrap_or_default()
+}
+
+/// To three digits: nobody knows more of what is ordinary.
+fn rounded(x: f64) -> f64 {
+    format!("{x:.2e}").parse().unwrap_or(x)
+}
+
+/// Writes the config with the effect, started from the run's screen where there is one, else from what is ordinary of it on the records;
+/// comments and order kept.
 ///
 /// # Errors
 /// An unknown effect, one that is there already or excluded by another, an unreadable file.
@@ -53,17 +72,15 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
         Some(run) => finding(run, card.name)?,
         None => None,
     };
-    let start = |default: f64, bounds: [f64; 2], key: &str| {
+    let ordinary = if finding.is_none() { ordinary(&**effect, &from.file, session) } else { Vec::new() };
+    let start = |at: usize, spec: &ParamSpec, key: &str| {
+        let [lower, upper, card] = [spec.lower, spec.upper, spec.start].map(|x| spec.in_file_unit(x));
         let estimated = finding.as_ref().and_then(|f| f["estimate"][key].as_f64());
-        estimated.filter(|x| (bounds[0]..=bounds[1]).contains(x)).unwrap_or(default)
+        let usual = ordinary.get(at).map(|&x| rounded(spec.in_file_unit(x)));
+        estimated.or(usual).filter(|x| (lower..=upper).contains(x)).unwrap_or(card)
     };
-    let parameters: Vec<(&str, f64, &str)> = specs
-        .iter()
-        .zip(&keys)
-        .map(|(s, k)| {
-            let bounds = [s.lower, s.upper].map(|b| s.in_file_unit(b));
-            (k.as_str(), start(s.in_file_unit(s.start), bounds, k), &*s.description)
-        })
+    let parameters: Vec<(&str, f64, &str)> = (specs.iter().zip(&keys).enumerate())
+        .map(|(at, (s, k))| (k.as_str(), start(at, s, k), &*s.description))
         .collect();
     let sentence = finding.as_ref().and_then(|f| f["sentence"].as_str());
     let reason = sentence.map_or_else(|| format!("{}: {}", card.name, card.summary), str::to_owned);

@@ -119,3 +119,38 @@ fn effects_are_added_and_dropped_with_comments_kept() -> Tested {
     assert!(code == 0 && list["effects"].as_array().is_some_and(|e| e.len() >= 22));
     Ok(())
 }
+
+/// Without a screen an effect begins as large as is ordinary on the records: a zero that drifts by three hundredths of the largest force
+/// over the longest test. Where nothing was recorded, as its card has it.
+#[test]
+fn an_effect_is_added_as_large_as_the_records_have_it() -> Tested {
+    let folder = synthetic()?;
+    let here = folder.path();
+    let (mut peak, mut duration) = (0.0f64, 0.0f64);
+    for test in ["uniaxial", "tearing"] {
+        let text = fs::read_to_string(here.join(format!("runs/strip/{test}.csv")))?;
+        let mut lines = text.lines().filter(|l| !l.starts_with('#'));
+        let head: Vec<&str> = lines.next().ok_or("a header")?.split(',').collect();
+        let rows: Vec<Vec<f64>> =
+            lines.map(|l| l.split(',').map(str::parse).collect()).collect::<Result<_, _>>()?;
+        let column = |name: &str| {
+            let at = head.iter().position(|h| *h == name);
+            rows.iter().filter_map(|r| Some(*r.get(at?)?)).collect::<Vec<f64>>()
+        };
+        let (time, force) = (column("time_s"), column("force_N"));
+        peak = force.iter().fold(peak, |m, f| m.max(f.abs()));
+        duration = duration.max(time[time.len() - 1] - time[0]);
+    }
+    let drift = |file: &str| -> Result<f64, Box<dyn std::error::Error>> {
+        let (code, ..) = json(here, &["add", "drift", file, "--out", "more.toml", "--force"])?;
+        assert_eq!(code, 0);
+        let more = fs::read_to_string(here.join("more.toml"))?;
+        let value = more.lines().find_map(|l| l.strip_prefix("c_N_per_s = ")?.split_whitespace().next());
+        Ok(value.ok_or("a value")?.parse()?)
+    };
+    let ordinary = 0.03 * peak / duration;
+    let (added, bare) = (drift("fit.toml")?, drift("strip.toml")?);
+    assert!((added / ordinary - 1.0).abs() < 5e-3, "{added} {ordinary}");
+    assert!((bare / ordinary - 1.0).abs() > 0.1, "{bare} {ordinary}");
+    Ok(())
+}
