@@ -33,6 +33,10 @@ const STIFFNESSES: [f64; 3] = [1.0, 0.5, 0.25];
 const STRENGTHS: [f64; 4] = [1.0, 4.0, 16.0, 64.0];
 const TOUGHNESSES: [f64; 2] = [1.0, 0.5];
 
+/// A path that misses the records more than so many times as much as one that holds, by sums of squares, does not tear: it is no start
+/// as long as what tears was not followed for want of time.
+const TEARS: f64 = 0.5;
+
 /// Newton iterations that a smooth tear needs.
 const SMOOTH_BUDGET: usize = TRIAL_BUDGET / 5;
 
@@ -78,13 +82,13 @@ pub(crate) fn torn_starts(
     // What tears in many jumps is no good start, and takes many times as long.
     work.budget = SMOOTH_BUDGET;
     let mut found = fitted_from_known(&model, work);
-    if found.as_ref().is_ok_and(Vec::is_empty) {
-        found = candidates(case, catalogue, &model, missed_by_given, work);
+    for (budget, most) in [(SMOOTH_BUDGET, TEARS), (TRIAL_BUDGET, f64::INFINITY)] {
+        work.budget = budget;
+        if found.as_ref().is_ok_and(Vec::is_empty) {
+            found = candidates(case, catalogue, &model, (missed_by_given, most), work);
+        }
     }
     work.budget = TRIAL_BUDGET;
-    if found.as_ref().is_ok_and(Vec::is_empty) {
-        found = candidates(case, catalogue, &model, missed_by_given, work);
-    }
     (work.coarse_noise, work.by_record) = (0.0, false);
     work.theta = theta_of_work;
     let mut found = found?;
@@ -110,12 +114,12 @@ fn fitted_from_known(model: &Model, work: &mut Work) -> Result<Vec<Candidate>, A
 /// Values with what they miss, by the objective at a start's noise.
 type Candidate = (f64, Vec<f64>);
 
-/// What the record tells, and what the file says where that misses the records no more.
+/// What the record tells, and what the file says where that misses the records no more. `most`: as [`looked_for`] has it.
 fn candidates(
     case: &Case,
     catalogue: &Catalogue,
     model: &Model,
-    missed_by_given: Option<f64>,
+    (missed_by_given, most): (Option<f64>, f64),
     work: &mut Work,
 ) -> Result<Vec<Candidate>, AnalysisError> {
     let path = model.free_on(Site::Interface);
@@ -128,7 +132,7 @@ fn candidates(
     for share in STIFFNESSES {
         work.theta.clone_from(&bulk);
         soften(model, share, &mut work.theta);
-        if looked_for(model, from_record(case), work)? {
+        if looked_for(model, from_record(case), most, work)? {
             found.extend(fitted(model, Stage::Joint, &both, work)?);
         }
     }
@@ -156,20 +160,22 @@ fn fitted(
     }
 }
 
-/// Takes the path that misses the records least; whether one can be followed. A fit from a path that is far off ends at the
-/// first jump of its tear.
-fn looked_for(model: &Model, from: (f64, f64), work: &mut Work) -> Result<bool, AnalysisError> {
-    let mut best: Option<Candidate> = None;
-    for (tougher, stronger) in TOUGHNESSES.iter().flat_map(|t| STRENGTHS.map(|s| (*t, s))) {
+/// Takes the path that misses the records least; whether one can be followed, and misses no more than so many times what the one
+/// that holds longest does. A fit from a path that is far off ends at the first jump of its tear.
+fn looked_for(model: &Model, from: (f64, f64), most: f64, work: &mut Work) -> Result<bool, AnalysisError> {
+    let (mut best, mut by_holding): (Option<Candidate>, f64) = (None, f64::INFINITY);
+    for times in TOUGHNESSES.iter().flat_map(|t| STRENGTHS.map(|s| (*t, s))) {
         let mut theta = work.theta.clone();
-        path_by_record(model, from, (tougher, stronger), &mut theta);
-        if let Some(m) = missed(model, &theta, work)?
-            && best.as_ref().is_none_or(|b| m < b.0)
-        {
+        path_by_record(model, from, times, &mut theta);
+        let Some(m) = missed(model, &theta, work)? else { continue };
+        if times == (TOUGHNESSES[0], STRENGTHS[STRENGTHS.len() - 1]) {
+            by_holding = m;
+        }
+        if best.as_ref().is_none_or(|b| m < b.0) {
             best = Some((m, theta));
         }
     }
-    let Some((_, theta)) = best else { return Ok(false) };
+    let Some((_, theta)) = best.filter(|b| b.0 <= most * by_holding) else { return Ok(false) };
     work.theta = theta;
     Ok(true)
 }

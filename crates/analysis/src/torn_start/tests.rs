@@ -148,9 +148,15 @@ fn of_the_paths_that_a_record_tells_the_one_that_misses_it_least_is_taken() {
     let model = on_its_mesh(&case);
     let mut work = Work::new(&case, model.theta(), run_options(&case), &control);
     // A strength of the strip's is 4 times this, its toughness half of that.
-    assert!(looked_for(&model, (0.06, 0.015), &mut work).expect("runs"));
+    assert!(looked_for(&model, (0.06, 0.015), TEARS, &mut work).expect("runs"));
     let at = |path: &str| work.theta[model.find(path).expect("a parameter")];
     assert_eq!((at("interface.area[1].gc"), at("interface.area[1].sigma_c")), (0.03, 0.06));
+    // Where all of them hold, none tears; it is taken where that is all there is.
+    let before = work.theta.clone();
+    assert!(!looked_for(&model, (10.0, 10.0), TEARS, &mut work).expect("runs"));
+    assert_eq!(work.theta, before);
+    assert!(looked_for(&model, (10.0, 10.0), f64::INFINITY, &mut work).expect("runs"));
+    assert_ne!(work.theta, before);
 }
 
 /// Where a base's search began, the same record's with an effect begins; nothing but the fit of bulk and path is made again.

@@ -83,6 +83,35 @@ fn a_card_says_in_which_experiments_its_effect_shows() -> Tested {
     Ok(())
 }
 
+/// The mesh that a start is looked for on tears in jumps where the file's own does not; a path that holds needs fewer iterations there than
+/// one that tears, and is no start.
+#[test]
+fn stiffness_and_tear_of_a_peel_are_found_from_a_file_ten_times_off() -> Tested {
+    let path = |times: f64| {
+        let (gc, sigma_c) = (0.04 * times, 0.03 * times);
+        format!("[interface]\ngc_N_per_mm = {gc}\nsigma_c_MPa = {sigma_c}\n")
+    };
+    let truth = "[solver]\nstep_mm = 0.25\n[output]\nnoise = 0.005\nseed = 5\nfields = false\n";
+    let folder = written(&peel(PROTOCOL, &(path(1.0) + truth)))?;
+    let here = folder.path();
+    answer(here, &["simulate", "peel.toml", "--out", "made"])?;
+    let model = peel("", &path(10.0)).replace("{ start = 30.0, fixed = true }", "300.0");
+    let (_, model) = model.split_once("[mesh]").ok_or("a mesh")?;
+    let fit = format!("specimen = \"made/specimen.toml\"\n[mesh]{model}[output]\nfields = false\n");
+    fs::write(here.join("fit.toml"), fit)?;
+    let found = answer(here, &["identify", "fit.toml"])?;
+    assert_eq!(found["explained"], true, "{}", found["reduced_chi2"]);
+    let rows = found["parameters"].as_array().ok_or("parameters")?;
+    for (path, truth) in
+        [("bulk.mu", 0.03), ("interface.area[1].gc", 0.04), ("interface.area[1].sigma_c", 0.03)]
+    {
+        let row = rows.iter().find(|p| p["path"] == path).ok_or(path)?;
+        let [lower, upper]: [f64; 2] = serde_json::from_value(row["interval_95"].clone())?;
+        assert!(lower <= truth && truth <= upper, "{row}");
+    }
+    Ok(())
+}
+
 #[test]
 #[ignore = "slow: run by `just slow`"]
 fn the_loop_on_a_synthetic_peel_with_a_hidden_drift() -> Tested {
