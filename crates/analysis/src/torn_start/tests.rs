@@ -151,12 +151,28 @@ fn of_the_paths_that_a_record_tells_the_one_that_misses_it_least_is_taken() {
     assert!(looked_for(&model, (0.06, 0.015), TEARS, &mut work).expect("runs"));
     let at = |path: &str| work.theta[model.find(path).expect("a parameter")];
     assert_eq!((at("interface.area[1].gc"), at("interface.area[1].sigma_c")), (0.03, 0.06));
+    // The weakest of them may be the one.
+    assert!(looked_for(&model, (0.0303, 0.0606), TEARS, &mut work).expect("runs"));
     // Where all of them hold, none tears; it is taken where that is all there is.
     let before = work.theta.clone();
     assert!(!looked_for(&model, (10.0, 10.0), TEARS, &mut work).expect("runs"));
     assert_eq!(work.theta, before);
     assert!(looked_for(&model, (10.0, 10.0), f64::INFINITY, &mut work).expect("runs"));
     assert_ne!(work.theta, before);
+}
+
+/// A record that ends before the strip tears has starts whose paths hold: no other is there.
+#[test]
+fn a_record_without_a_tear_tells_its_stiffness() {
+    let folder = recorded();
+    let mut case = (*strip(folder.path(), 10.0, 1)).clone();
+    for t in &mut case.tests {
+        t.record.as_mut().expect("a record").truncate(6);
+    }
+    let case = Arc::new(case);
+    let (model, theta) = (on_its_mesh(&case), first_start(&case).expect("a start"));
+    let k1 = theta[model.find("bulk.k1").expect("a stiffness")];
+    assert!((0.05..1.0).contains(&k1), "{k1}");
 }
 
 /// Where a base's search began, the same record's with an effect begins; nothing but the fit of bulk and path is made again.
