@@ -114,7 +114,8 @@ fn fitted_from_known(model: &Model, work: &mut Work) -> Result<Vec<Candidate>, A
 /// Values with what they miss, by the objective at a start's noise.
 type Candidate = (f64, Vec<f64>);
 
-/// What the record tells, and what the file says where that misses the records no more. `most`: as [`looked_for`] has it.
+/// What the record tells, and what the file says where that misses the records no more. `most`: as [`looked_for`] has it; as long as it
+/// is finite, the file is not asked where the record tells nothing.
 fn candidates(
     case: &Case,
     catalogue: &Catalogue,
@@ -136,7 +137,9 @@ fn candidates(
             found.extend(fitted(model, Stage::Joint, &both, work)?);
         }
     }
-    let Some(by_given) = missed_by_given else { return Ok(found) };
+    let Some(by_given) = missed_by_given.filter(|_| !found.is_empty() || most.is_infinite()) else {
+        return Ok(found);
+    };
     let best = found.iter().min_by(|a, b| a.0.total_cmp(&b.0));
     let by_best = best.map(|(_, theta)| missed(model, theta, work)).transpose()?.flatten();
     if by_best.is_none_or(|m| by_given < AS_GOOD * m) {

@@ -72,17 +72,22 @@ impl FeLadder<'_> {
         open.map(|(key, _)| key.clone()).collect()
     }
 
-    /// On the search's mesh, with what the file's says more around the fit: where the mode is far, much is left, beside which the two
-    /// meshes hardly differ.
-    fn mode_of(&self, key: &[String], scale: &Scale) -> Result<Mode, AnalysisError> {
-        let f = &self.fitted_models[key];
-        let seed = self.modes.get(key).and_then(|s| s.for_fit(f));
+    /// A fitted model on the search's mesh, with what the file's says more around the fit: where the mode is far, much is left, beside
+    /// which the two meshes hardly differ.
+    fn around<'f>(&'f self, f: &'f Fitted) -> FeProblem<'f> {
         let (theta, free, slots) = (f.theta.clone(), f.free.clone(), &self.measured.slots);
         let mut problem = FeProblem::new(&f.model, theta, free, slots, self.options, self.cancelled);
         problem.options.stepping.budget = TRIAL_BUDGET;
         problem.patience = Some(Patience::FIT);
         problem.correction = f.correction.clone();
         problem.start_from(f.warm.clone());
+        problem
+    }
+
+    fn mode_of(&self, key: &[String], scale: &Scale) -> Result<Mode, AnalysisError> {
+        let f = &self.fitted_models[key];
+        let seed = self.modes.get(key).and_then(|s| s.for_fit(f));
+        let problem = self.around(f);
         scale.mode(f.into(), seed.as_deref(), |theta: &[f64]| {
             self.runs.fetch_add(1, Ordering::Relaxed);
             match problem.predict(theta, true) {
@@ -141,6 +146,30 @@ mod tests {
         ladder.fitted_models.get_mut(set).expect("a fit").mode = None;
         ln_z(&ladder, set);
         assert_eq!(ladder.far_from_modes(), far[..1]);
+    }
+
+    /// At a fit, on whichever mesh it stands, the way to its mode begins with what the fit predicts.
+    #[test]
+    fn the_way_to_a_mode_begins_at_the_fit() {
+        let catalogue = effects::catalogue();
+        let (mut ladder, far) = weighed(&catalogue);
+        let differs = |ladder: &FeLadder, set: &Vec<String>| {
+            let f = &ladder.fitted_models[set];
+            let (there, at) = (&f.fit.prediction.values, ladder.around(f).predict(&f.fit.theta, false));
+            let peak = there.amax();
+            let apart = (at.expect("an answer").values - there).amax() / peak;
+            (apart, f.correction.shift.amax() / peak)
+        };
+        let check = |ladder: &FeLadder| {
+            for set in &far {
+                let (apart, meshes) = differs(ladder, set);
+                assert!(apart < 1e-5 && meshes > 1e-3, "{set:?}: {apart} {meshes}");
+            }
+        };
+        check(&ladder);
+        ladder.settle_sets(&far).expect("fits on the file's mesh");
+        assert!(far.iter().all(|set| ladder.fitted_models[set].settled));
+        check(&ladder);
     }
 
     /// A fit of a set begins where its mode was found, if that is denser than the fit; else at the fit.
