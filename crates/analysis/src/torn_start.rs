@@ -33,9 +33,12 @@ const STIFFNESSES: [f64; 3] = [1.0, 0.5, 0.25];
 const STRENGTHS: [f64; 4] = [1.0, 4.0, 16.0, 64.0];
 const TOUGHNESSES: [f64; 2] = [1.0, 0.5];
 
-/// A path that misses the records more than so many times as much as one that holds, by sums of squares, does not tear: it is no start
-/// as long as what tears was not followed for want of time.
+/// A path that misses the records more than so many times as much as one that holds whatever happens, by sums of squares, does not
+/// tear: it is no start as long as what tears was not followed for want of time.
 const TEARS: f64 = 0.5;
+
+/// Toughness and strength of a path that holds whatever happens, as multiples of the record's.
+const UNBREAKABLE: f64 = 4096.0;
 
 /// Newton iterations that a smooth tear needs.
 const SMOOTH_BUDGET: usize = TRIAL_BUDGET / 5;
@@ -163,21 +166,19 @@ fn fitted(
     }
 }
 
-/// Takes the path that misses the records least; whether one can be followed, and misses no more than so many times what the one
-/// that holds longest does. A fit from a path that is far off ends at the first jump of its tear.
+/// Takes the path that misses the records least; whether one can be followed, and misses no more than so many times what one that
+/// holds does. A fit from a path that is far off ends at the first jump of its tear.
 fn looked_for(model: &Model, from: (f64, f64), most: f64, work: &mut Work) -> Result<bool, AnalysisError> {
-    let (mut best, mut by_holding): (Option<Candidate>, f64) = (None, f64::INFINITY);
-    for times in TOUGHNESSES.iter().flat_map(|t| STRENGTHS.map(|s| (*t, s))) {
+    let with = |times: (f64, f64), work: &Work| {
         let mut theta = work.theta.clone();
         path_by_record(model, from, times, &mut theta);
-        let Some(m) = missed(model, &theta, work)? else { continue };
-        if times == (TOUGHNESSES[0], STRENGTHS[STRENGTHS.len() - 1]) {
-            by_holding = m;
-        }
-        if best.as_ref().is_none_or(|b| m < b.0) {
-            best = Some((m, theta));
-        }
+        Ok::<_, AnalysisError>(missed(model, &theta, work)?.map(|m| (m, theta)))
+    };
+    let mut best: Option<Candidate> = None;
+    for times in TOUGHNESSES.iter().flat_map(|t| STRENGTHS.map(|s| (*t, s))) {
+        best = best.into_iter().chain(with(times, work)?).min_by(|a, b| a.0.total_cmp(&b.0));
     }
+    let by_holding = with((UNBREAKABLE, UNBREAKABLE), work)?.map_or(f64::INFINITY, |c| c.0);
     let Some((_, theta)) = best.filter(|b| b.0 <= most * by_holding) else { return Ok(false) };
     work.theta = theta;
     Ok(true)
