@@ -72,8 +72,7 @@ impl FeLadder<'_> {
         open.map(|(key, _)| key.clone()).collect()
     }
 
-    /// A fitted model on the search's mesh, with what the file's says more around the fit: where the mode is far, much is left, beside
-    /// which the two meshes hardly differ.
+    /// A fitted model on the search's mesh, with what the file's says more around the fit, to first order.
     fn around<'f>(&'f self, f: &'f Fitted) -> FeProblem<'f> {
         let (theta, free, slots) = (f.theta.clone(), f.free.clone(), &self.measured.slots);
         let mut problem = FeProblem::new(&f.model, theta, free, slots, self.options, self.cancelled);
