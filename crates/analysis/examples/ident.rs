@@ -54,6 +54,9 @@ fn main() {
                 for s in stages.lock().unwrap().iter() {
                     println!("   {:30} runs {:3} rejected {:3} {:7.2}s", s.0, s.1, s.2, s.3);
                 }
+                for (p, v) in d.model.parameters.iter().zip(&d.theta).filter(|(p, _)| p.free) {
+                    println!("   {:32} {v:.5e}", p.path);
+                }
                 println!(
                     "   quality {:?}",
                     d.quality

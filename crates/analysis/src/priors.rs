@@ -12,6 +12,35 @@ const GIVEN_SD: f64 = 0.5;
 /// tissue without matrix or without fibres would pay for any missing effect.
 const PRIOR_WIDTH: f64 = 3.0;
 
+/// What is believed of base parameters besides what a file calls a prior.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Belief {
+    /// Nothing; where the file gives no value, a search stays within reach of the literature's.
+    Bounds,
+    /// What the literature lets one expect, whatever the file gives.
+    Literature,
+    /// The same, but no bound for what the file gives a value for: that is a start, the tissue may be none that the literature knows.
+    Start,
+    /// The literature's, and the file's values where it gives them.
+    Given,
+}
+
+impl Belief {
+    /// By what a file says of `priors`; what is the case where it says nothing.
+    pub fn of(case: &Case, unsaid: Self) -> Self {
+        match case.identify.priors.literature {
+            Some(true) => Self::Given,
+            Some(false) => Self::Bounds,
+            None => unsaid,
+        }
+    }
+
+    /// While a start is sought: the literature keeps it from absurd tissues, whatever the file says. A fit may end at others.
+    pub fn at_start(self) -> Self {
+        if self == Self::Given { self } else { Self::Start }
+    }
+}
+
 /// The path without its area: `interface.area[3].gc` → `interface.gc`.
 fn common(path: &str) -> Option<ParamPath> {
     path.parse::<ParamPath>().ok().map(ParamPath::common)
@@ -51,11 +80,9 @@ fn given_value(case: &Case, path: &ParamPath) -> Option<f64> {
     }
 }
 
-/// Adds priors to free parameters: the file's own first; else, where `literature`, around the value
-/// the file gives, or the literature's; the search then stays within reach of them ([`PRIOR_WIDTH`]), narrower bounds of the file
-/// first. Without `literature` it stays within reach of the literature's where the file gives no value; what a file gives as a
-/// start bounds nothing.
-pub fn add(free_parameters: &mut [Free], case: &Case, literature: bool) {
+/// Adds priors to free parameters: the file's own first; else the literature's, or with [`Belief::Given`] around the value that
+/// the file gives. The search stays within reach of them ([`PRIOR_WIDTH`]), narrower bounds of the file first.
+pub fn add(free_parameters: &mut [Free], case: &Case, belief: Belief) {
     let expected = expectations(case);
     for f in free_parameters {
         let Some(path) = common(&f.path) else { continue };
@@ -66,23 +93,27 @@ pub fn add(free_parameters: &mut [Free], case: &Case, literature: bool) {
                 Transform::Log => (1.0 + p.relative_sd * p.relative_sd).ln().sqrt(),
                 t => (p.relative_sd * p.mean / t.slope(p.mean).max(f64::MIN_POSITIVE)).abs(),
             };
-            f.prior = literature.then_some(Prior { mean, sd });
+            f.prior = (belief != Belief::Bounds).then_some(Prior { mean, sd });
             continue;
         }
         let Some(&(_, Expected { median, spread })) = expected.iter().find(|l| l.0 == path) else { continue };
         let given = given_value(case, &path);
-        if !literature && given.is_some() {
+        if belief == Belief::Bounds && given.is_some() {
             // A start is no belief: the parameter's own bounds, or the file's, are the only ones.
             continue;
         }
-        let at = given.unwrap_or(median);
+        let believed = given.filter(|_| belief == Belief::Given);
+        let at = believed.unwrap_or(median);
         // A value on a bound (k2 = 0, κ = 0) has no place in the coordinate: no prior.
         if f.at_bound(at) || at <= f.lower || at >= f.upper {
             continue;
         }
-        let sd = if given.is_some() && path.owner == Owner::Bulk { GIVEN_SD } else { spread };
+        let sd = if believed.is_some() && path.owner == Owner::Bulk { GIVEN_SD } else { spread };
         let mean = f.transform.forward(at);
         f.prior = Some(Prior { mean, sd });
+        if given.is_some() && belief == Belief::Start {
+            continue;
+        }
         f.lower = f.lower.max(f.transform.backward(mean - PRIOR_WIDTH * sd));
         f.upper = f.upper.min(f.transform.backward(mean + PRIOR_WIDTH * sd));
         f.start = f.start.clamp(f.lower, f.upper);
@@ -111,7 +142,7 @@ mod tests {
         let model = Model::new(Arc::new(case.clone()), &effects::catalogue(), Discretisation::default())
             .expect("a model");
         let mut list = crate::identify::free_parameters(&model, &model.theta(), &model.free());
-        add(&mut list, case, true);
+        add(&mut list, case, Belief::Given);
         list
     }
 
@@ -124,6 +155,32 @@ mod tests {
         assert_relative_eq!(of("bulk.k1").sd, 0.5);
         assert_relative_eq!(of("interface.area[2].gc").mean, 0.4f64.ln());
         assert_relative_eq!(of("interface.area[2].gc").sd, 1.2);
+    }
+
+    /// While a start is sought, a value that the file gives is no belief, and no bound: it may be wrong by any factor.
+    #[test]
+    fn a_start_is_sought_beyond_what_the_file_gives() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let case = case(folder.path());
+        let model = Model::new(Arc::new(case.clone()), &effects::catalogue(), Discretisation::default())
+            .expect("a model");
+        let own = crate::identify::free_parameters(&model, &model.theta(), &model.free());
+        let k1 = own.iter().position(|f| f.path == "bulk.k1").expect("a parameter");
+        let by = |belief: Belief| {
+            let mut list = own.clone();
+            add(&mut list, &case, belief);
+            let f = &list[k1];
+            (f.prior.map(|p| p.mean), f.lower, f.upper)
+        };
+        let (bounds, literature) = ((own[k1].lower, own[k1].upper), by(Belief::Literature));
+        assert_eq!(by(Belief::Bounds), (None, bounds.0, bounds.1));
+        assert_eq!(by(Belief::Start), (literature.0, bounds.0, bounds.1));
+        assert!(literature.1 > bounds.0 && literature.2 < bounds.1 && literature.0 != by(Belief::Given).0);
+        assert_eq!(
+            [Belief::Bounds, Belief::Start, Belief::Given].map(Belief::at_start)[..2],
+            [Belief::Start; 2]
+        );
+        assert_eq!(Belief::Given.at_start(), Belief::Given);
     }
 
     /// A diagnosis of a finished run starts at its values. Were its priors to follow them, no tissue would be absurd.

@@ -5,6 +5,7 @@
 //! optimum (the paper's fourth limitation).
 
 use crate::identify::{AnalysisError, Stage, StagePlan, Work};
+use crate::priors::Belief;
 use input::Case;
 use model::{Catalogue, Discretisation, Model};
 use params::{Owner, ParamPath};
@@ -17,8 +18,8 @@ pub(crate) const START_NOISE: f64 = 0.03;
 const COARSEN: f64 = 3.0;
 
 /// Fits one area on a coarse mesh, then more of them. Returns the finest of these models with its values, then the one-area
-/// model with its own, or `None`
-/// when the file gives each area its own start, or there is nothing to do.
+/// model with its own, or `None` when the file gives each area its own start, when only the tear tells the bulk, or there is
+/// nothing to do.
 fn one_area(
     case: &Arc<Case>,
     catalogue: &Catalogue,
@@ -35,10 +36,14 @@ fn one_area(
     let how = Discretisation { coarsen: COARSEN, ..Discretisation::default() };
     let Ok(model) = Model::new(Arc::new(simple.clone()), catalogue, how) else { return Ok(None) };
     let file = model.theta();
-    let theta_of_work = std::mem::replace(&mut work.theta, file.clone());
-    work.coarse_noise = START_NOISE;
     let bulk = model.free_on(model::Site::Bulk);
     let bulk_tests = list.first().filter(|s| s.0 == Stage::Bulk).map(|s| s.2.clone());
+    if bulk_tests.is_none() && !bulk.is_empty() {
+        // Without an intact strip's record the tear's own has to tell the bulk.
+        return Ok(None);
+    }
+    let theta_of_work = std::mem::replace(&mut work.theta, file.clone());
+    work.coarse_noise = START_NOISE;
     let (Some(g), Some(s)) = (model.find("interface.area[1].gc"), model.find("interface.area[1].sigma_c"))
     else {
         return Ok(None);
@@ -101,7 +106,7 @@ fn bulk_starts(
 ) -> Result<Vec<Vec<f64>>, AnalysisError> {
     let Some(tests) = tests else { return Ok(vec![file.to_vec()]) };
     let list = crate::identify::free_parameters(model, file, bulk);
-    let mut starts = crate::strip::tissues(model, work.case, &list, file);
+    let mut starts = crate::strip::tissues(model, (work.case, work.belief.at_start()), &list, file);
     let offered = model.starts();
     let given = |i: usize| work.case.bulk.value(&model.parameters[i].spec.name).value.is_some();
     let own = offered.as_ref().is_some_and(|s| given(s.size) || s.apart.is_some_and(|(i, _)| given(i)));
@@ -171,7 +176,7 @@ pub(crate) fn for_case(
 ) -> Result<Option<Arc<Start>>, AnalysisError> {
     let fine = Model::new(case.clone(), catalogue, Discretisation::default())?;
     let mut work = Work::new(case, fine.theta(), options, control);
-    work.literature = case.identify.priors.literature.unwrap_or(true);
+    work.belief = Belief::of(case, Belief::Start);
     let list = crate::identify::stages(&fine, input::Mode::Staged);
     Ok(find(case, catalogue, &mut work, &list)?.and_then(|levels| levels.into_iter().next()))
 }

@@ -4,7 +4,7 @@
 //! unknown: thousands of tissues are tried in the time of one finite-element run. The clamps, which
 //! stiffen a short strip, and whatever effect the tissue hides are left out: the answers are starts.
 
-use crate::priors;
+use crate::priors::{self, Belief};
 use constitutive::{Context, Law, PointLaw, StartGrid};
 use input::Case;
 use inverse::Free;
@@ -22,21 +22,31 @@ const STARTS: usize = 3;
 struct Grid<'a> {
     law: &'a dyn PointLaw<9>,
     offered: &'a StartGrid,
-    /// What is free, with priors, by index of the parameter.
+    /// What is free, with priors, by index of the parameter: the grid's range.
     free: Vec<Option<Free>>,
+    /// The same as the search has it: what scaling may reach.
+    limits: Vec<Option<Free>>,
 }
 
 /// θ at the best few tissues of the grid that the bulk law offers, the best first, apart from each other where the law
 /// says that one curve has several optima. Parameters that `free_parameters` does not hold keep their value in `theta`. Empty
 /// without a uniaxial record.
-pub(crate) fn tissues(model: &Model, case: &Case, free_parameters: &[Free], theta: &[f64]) -> Vec<Vec<f64>> {
+pub(crate) fn tissues(
+    model: &Model,
+    (case, belief): (&Case, Belief),
+    free_parameters: &[Free],
+    theta: &[f64],
+) -> Vec<Vec<f64>> {
     let record = points(case);
     let Some(offered) = model.starts().filter(|_| !record.is_empty()) else { return Vec::new() };
-    let mut list = free_parameters.to_vec();
-    priors::add(&mut list, case, true);
-    let of = |i: usize| list.iter().find(|f| f.path == model.parameters[i].path).cloned();
-    let free = (0..offered.template.len()).map(of).collect();
-    let grid = Grid { law: &**model.bulk_law(), offered: &offered, free };
+    let by = |belief: Belief| {
+        let mut list = free_parameters.to_vec();
+        priors::add(&mut list, case, belief);
+        let of = |i: usize| list.iter().find(|f| f.path == model.parameters[i].path).cloned();
+        (0..offered.template.len()).map(of).collect()
+    };
+    let range = if belief == Belief::Start { Belief::Literature } else { belief };
+    let grid = Grid { law: &**model.bulk_law(), offered: &offered, free: by(range), limits: by(belief) };
     let mut found: Vec<(f64, Vec<f64>)> =
         grid.points(theta).into_par_iter().filter_map(|tissue| grid.rate(tissue, &record)).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -105,7 +115,7 @@ impl Grid<'_> {
         }
         let mut scale = if up > 0.0 && down > 0.0 { up / down } else { return None };
         for &at in &self.offered.scaled {
-            match &self.free[at] {
+            match &self.limits[at] {
                 Some(f) => scale = scale.clamp(f.lower / tissue[at], f.upper / tissue[at]),
                 None => scale = 1.0,
             }

@@ -178,8 +178,12 @@ fn looked_for(model: &Model, from: (f64, f64), most: f64, work: &mut Work) -> Re
     for times in TOUGHNESSES.iter().flat_map(|t| STRENGTHS.map(|s| (*t, s))) {
         best = best.into_iter().chain(with(times, work)?).min_by(|a, b| a.0.total_cmp(&b.0));
     }
-    let by_holding = with((UNBREAKABLE, UNBREAKABLE), work)?.map_or(f64::INFINITY, |c| c.0);
-    let Some((_, theta)) = best.filter(|b| b.0 <= most * by_holding) else { return Ok(false) };
+    let allowed = if most.is_finite() {
+        with((UNBREAKABLE, UNBREAKABLE), work)?.map_or(f64::INFINITY, |c| most * c.0)
+    } else {
+        f64::INFINITY
+    };
+    let Some((_, theta)) = best.filter(|b| b.0 <= allowed) else { return Ok(false) };
     work.theta = theta;
     Ok(true)
 }

@@ -7,6 +7,7 @@ use super::known::{Known, Sums, less_known};
 use crate::columns::Base;
 use crate::data::Measured;
 use crate::identify::{AnalysisError, coarser, free_parameters};
+use crate::priors::Belief;
 use crate::problem::Cancelled;
 use diagnose::power::{noncentrality, power};
 use diagnose::{Candidate, Foreseen, Policy, Shown, foresee};
@@ -131,7 +132,7 @@ pub(super) fn linear(
     };
     let screened = base.screen()?;
     let mut list = free_parameters(model, theta, &free);
-    crate::priors::add(&mut list, &model.case, true);
+    crate::priors::add(&mut list, &model.case, Belief::Given);
     let (prediction, candidates) = (screened.prediction, screened.candidates);
     let all = theta.to_vec();
     let theta = free.iter().map(|&i| theta[i]).collect();
@@ -234,7 +235,7 @@ impl Linear {
     ) -> Result<Foresight, AnalysisError> {
         let plain = |f: &Free| Free { prior: None, ..f.clone() };
         let mut list: Vec<Free> = self.free_parameters.iter().map(plain).collect();
-        crate::priors::add(&mut list, case, false);
+        crate::priors::add(&mut list, case, Belief::Bounds);
         let foresight = self.foresight(catalogue, policy, true)?;
         let beside = self.beside_which(&foresight.effects);
         let at = |theta: &[f64], prediction: &Prediction| {

@@ -3,6 +3,7 @@
 use super::engine::{LOOK, model_of, options};
 use crate::data::Measured;
 use crate::identify::{AnalysisError, free_parameters};
+use crate::priors::Belief;
 use crate::problem::{Cancelled, FeProblem};
 use crate::start::START_NOISE;
 use input::Case;
@@ -54,7 +55,9 @@ pub(super) fn guessed(model: &Model) -> Vec<f64> {
     let given = |i: usize| case.bulk.value(&model.parameters[i].spec.name).value.is_some();
     if let Some(offered) = model.starts().filter(|s| !given(s.size)) {
         let list = free_parameters(model, &theta, &model.free());
-        if let Some(tissue) = crate::strip::tissues(model, case, &list, &theta).into_iter().next() {
+        if let Some(tissue) =
+            crate::strip::tissues(model, (case, Belief::Given), &list, &theta).into_iter().next()
+        {
             offered.axes.iter().for_each(|&(i, _)| set(&mut theta, &model.parameters[i].path, tissue[i]));
         }
     }
@@ -80,7 +83,7 @@ pub(super) fn fitted_roughly(
 ) -> Vec<f64> {
     let free = model.free();
     let mut list = free_parameters(model, theta, &free);
-    crate::priors::add(&mut list, &model.case, true);
+    crate::priors::add(&mut list, &model.case, Belief::Given);
     let measured = measured.clone().with_noise_of_at_least(START_NOISE);
     let options = options(&model.case, LOOK);
     let problem = FeProblem::new(model, theta.to_vec(), free, &measured.slots, options, cancelled);

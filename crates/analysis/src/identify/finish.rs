@@ -46,7 +46,7 @@ impl Work<'_> {
         self.control.cancelled.phase(Phase::Intervals);
         let free = fine.free();
         let mut list_free = free_parameters(&fine, &self.theta, &free);
-        crate::priors::add(&mut list_free, self.case, self.literature);
+        crate::priors::add(&mut list_free, self.case, self.belief);
         let last = list.last().map_or(Stage::Joint, |l| l.0);
         let answer = Answer {
             fine: &fine,

@@ -28,7 +28,7 @@ impl Work<'_> {
         // What the uniaxial test leaves open is not boundless: the literature's spread closes it
         // before it is handed on to the interface.
         let mut bounded = first.free_parameters.clone();
-        crate::priors::add(&mut bounded, self.case, true);
+        crate::priors::add(&mut bounded, self.case, self.belief.at_start());
         let handed = uncertainty(&first.data, &bounded, &first.fit, rule)?;
         let held = Held { jacobian: second.jacobian_of(fit, &bulk), covariance: handed.covariance() };
         let second_u = staged_uncertainty(&second.data, &second.free_parameters, &second.fit, &held, rule)?;

@@ -100,7 +100,7 @@ impl StagedSearch<'_> {
     fn name_laws(&self, work: &mut Work) {
         if self.case.identify.max_iterations > 0 {
             let mut free = free_parameters(self.fine, &work.theta, &self.fine.free());
-            crate::priors::add(&mut free, self.case, work.literature);
+            crate::priors::add(&mut free, self.case, work.belief);
             crate::roles::as_the_cards_say(self.fine, self.catalogue, &free, &mut work.theta);
         }
     }

@@ -4,6 +4,7 @@ use super::tear_misfit::TearMisfit;
 use super::{AnalysisError, Control, HistoryEntry, Progress, Stage};
 use crate::data::Measured;
 use crate::journal::{Asked, remembered};
+use crate::priors::Belief;
 use crate::problem::FeProblem;
 use crate::start::Start;
 use input::Case;
@@ -73,8 +74,8 @@ pub(crate) struct Work<'a> {
     pub(super) rounds: usize,
     /// Whether the bulk was fitted on the given mesh by a stage of its own.
     pub(super) bulk_held: bool,
-    /// Whether the literature's priors count.
-    pub literature: bool,
+    /// What is believed of base parameters.
+    pub belief: Belief,
     /// Share of each record's largest value that counts as noise at least: a start need not follow
     /// the record any closer, and keeps a tissue that the literature knows.
     pub coarse_noise: f64,
@@ -120,7 +121,7 @@ impl<'a> Work<'a> {
             all_steps: false,
             rounds: usize::MAX,
             bulk_held: false,
-            literature: case.identify.priors.literature.unwrap_or(false),
+            belief: Belief::of(case, Belief::Bounds),
             coarse_noise: 0.0,
             by_record: false,
             budget: TRIAL_BUDGET,
@@ -184,7 +185,12 @@ impl<'a> Work<'a> {
             measured = measured.with_noise_of_at_least(self.coarse_noise);
         }
         let mut list = free_parameters(model, &self.theta, free);
-        crate::priors::add(&mut list, self.case, (self.literature || starting) && !self.by_record);
+        let belief = match (self.by_record, starting) {
+            (true, _) => Belief::Bounds,
+            (false, true) => self.belief.at_start(),
+            (false, false) => self.belief,
+        };
+        crate::priors::add(&mut list, self.case, belief);
         let paths: Vec<String> = list.iter().map(|f| f.path.clone()).collect();
         let fit_options = self.fit_options(stage, coarse, &list);
         let options = if self.all_steps { self.options } else { self.search };

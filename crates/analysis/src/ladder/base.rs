@@ -4,7 +4,7 @@ use super::settle::{Begun, FineStates, ROUNDS};
 use super::{FeLadder, Fitted, LadderSettings};
 use crate::columns::transfer;
 use crate::cost::Phase;
-use crate::identify::{Again, AnalysisError, Searched, searched};
+use crate::identify::{Again, AnalysisError, FAR, Searched, searched};
 use input::Case;
 use model::{Discretisation, Model};
 use std::sync::Arc;
@@ -30,12 +30,31 @@ impl<'a> FeLadder<'a> {
         ladder.torn = found.torn;
         let (mut base, mut states) = ladder.settle(begun, None, 0)?.ok_or_else(no_answer)?;
         if !found.joint && ladder.fine_case.identify.max_iterations > 0 {
-            let begun = ladder.begun_together(&base, &states, found.beside.as_deref())?;
-            let all = ladder.settle(begun, Some(&states), ROUNDS)?.ok_or_else(no_answer)?;
-            ladder.identified = Some(std::mem::replace(&mut base, all.0));
-            states = all.1;
+            if let Some(together) = ladder.together(&base, &states, found.beside.as_deref())? {
+                ladder.identified = Some(std::mem::replace(&mut base, together.0));
+                states = together.1;
+            }
+            base.settled = false;
         }
-        Ok(ladder.based_on(base, states))
+        // What misses the records by far is taken to its end once an answer may hang on it.
+        let near = base.quality.reduced_chi2_total <= FAR;
+        let mut ladder = ladder.based_on(base, states);
+        if near {
+            ladder.settle_base()?;
+        }
+        Ok(ladder)
+    }
+
+    /// Takes the base model to where all its parameters move to together, on the file's mesh; whether it was not there yet.
+    pub(super) fn settle_base(&mut self) -> Result<bool, AnalysisError> {
+        let Some(base) = self.fitted_models.get(&Vec::new()).filter(|f| !f.settled) else { return Ok(false) };
+        let begun = self.begun_of(base)?;
+        let (settled, states) =
+            self.settle(begun, self.fine_states.as_ref(), ROUNDS)?.ok_or_else(no_answer)?;
+        self.fine_states = Some(states);
+        let before = self.fitted_models.insert(Vec::new(), settled);
+        self.identified = self.identified.take().or(before);
+        Ok(true)
     }
 
     /// The same from the file's values alone: no start is sought, all parameters move together.
@@ -90,22 +109,17 @@ impl<'a> FeLadder<'a> {
         Ok(found)
     }
 
-    /// Where the base model's fit to all records begins: at the identification's answer, or where all its parameters together
-    /// ended beside that, if that misses the records less.
-    fn begun_together(
+    /// Where all parameters of the base model together ended beside the identification's answer, if that misses the records less.
+    fn together(
         &self,
         base: &Fitted,
         states: &FineStates,
         beside: Option<&[f64]>,
-    ) -> Result<Begun, AnalysisError> {
-        if let Some(theta) = beside {
-            let again = || Model::new(self.case.clone(), self.catalogue, self.how);
-            let there = self.settle(self.begun_at(again()?, theta)?, Some(states), 0)?;
-            if there.is_some_and(|(f, _)| f.fit.f < base.fit.f) {
-                return self.begun_at(again()?, theta);
-            }
-        }
-        self.begun_of(base)
+    ) -> Result<Option<(Fitted, FineStates)>, AnalysisError> {
+        let Some(theta) = beside else { return Ok(None) };
+        let model = Model::new(self.case.clone(), self.catalogue, self.how)?;
+        let there = self.settle(self.begun_at(model, theta)?, Some(states), 0)?;
+        Ok(there.filter(|(f, _)| f.fit.f < base.fit.f))
     }
 
     /// A model of the search's mesh at values of the file's, as the start of a fit.
@@ -125,4 +139,48 @@ impl<'a> FeLadder<'a> {
 
 fn no_answer() -> AnalysisError {
     AnalysisError::Case("the model gives no answer on the file's mesh at the values that fit".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ladder::tests::{unheard, unloaded};
+
+    /// An intact strip that stiffens as no tissue does beside a tear that unloads as none does, with this noise.
+    fn staged(catalogue: &model::Catalogue, force_sd: f64) -> Arc<Case> {
+        let mut case = unloaded(catalogue);
+        let mut strip = case.tests[0].clone();
+        strip.kind =
+            input::TestKind::new(catalogue.experiments().get("uniaxial").expect("an experiment").card());
+        strip.name = "strip".into();
+        if let Some(r) = &mut strip.record {
+            r.force = r.displacement.iter().map(|u| 0.2 * u + 0.1 * u * u).collect();
+        }
+        case.tests.insert(0, strip);
+        case.tests.iter_mut().for_each(|t| t.force_sd = Some(force_sd));
+        Arc::new(case)
+    }
+
+    /// A base model that misses by far stands, and is shown, where `identify` ends until it is asked for; one that is near moves on.
+    #[test]
+    fn a_base_that_misses_by_far_is_taken_to_its_end_when_asked_for() {
+        let catalogue = effects::catalogue();
+        let far = FeLadder::weighing(staged(&catalogue, 0.002), unheard(&catalogue)).expect("a base fit");
+        let near = FeLadder::weighing(staged(&catalogue, 0.2), unheard(&catalogue)).expect("a base fit");
+        let none = Vec::new();
+        assert!(!far.fitted_models[&none].settled && near.fitted_models[&none].settled);
+        let mut ladder = far;
+        // At the identification's stages, from where all parameters move on.
+        let stages = ladder.begun_of(ladder.shown(&none).expect("a fit")).expect("a start");
+        let (mut base, _) = ladder.settle(stages, None, 0).expect("a run").expect("an answer");
+        base.settled = false;
+        ladder.fitted_models.insert(none.clone(), base);
+        let at = |f: &Fitted| (f.theta.clone(), f.fit.f);
+        let (shown, begun) = (at(ladder.shown(&none).expect("a fit")), ladder.fitted_models[&none].fit.f);
+        assert!(ladder.settle_base().expect("a fit"));
+        let end = &ladder.fitted_models[&none];
+        assert!(end.settled && end.fit.f < 0.9 * begun, "{} {begun} {}", shown.1, end.fit.f);
+        assert_eq!(at(ladder.shown(&none).expect("a fit")), shown);
+        assert!(!ladder.settle_base().expect("nothing to do"));
+    }
 }

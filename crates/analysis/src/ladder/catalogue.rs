@@ -41,7 +41,8 @@ impl FeLadder<'_> {
             (self.progress)(found.sentence().trim_end_matches('.'));
             let noise = found.left.explained_to == evidence::ExplainedTo::Noise;
             let now = Now { noise, leads: leading(&posterior), found, posterior, models };
-            let moved = self.fit_likely(&mut done, &now)?
+            let moved = self.settle_leading_base(&now)?
+                || self.fit_likely(&mut done, &now)?
                 || self.approach_modes()?
                 || self.begin_rivals_again(&mut done, &now)
                 || self.end_leaders_as_identified(&mut done, &now)
@@ -53,6 +54,15 @@ impl FeLadder<'_> {
                 return Ok((now.found, now.posterior));
             }
         }
+    }
+
+    /// The base model at its end, where it leads, with the catalogue's columns there.
+    fn settle_leading_base(&mut self, now: &Now) -> Result<bool, AnalysisError> {
+        let moved = now.leads.iter().any(Vec::is_empty) && self.settle_base()?;
+        if moved {
+            self.columns_at(&[])?;
+        }
+        Ok(moved)
     }
 
     /// The effects that lead by the base's columns.
@@ -220,6 +230,7 @@ impl FeLadder<'_> {
 
     /// The catalogue by its columns at the base model.
     pub(super) fn weigh_columns(&mut self) -> Result<Probabilities, AnalysisError> {
+        self.settle_base()?;
         self.columns_at(&[])?;
         self.posterior().map(|(found, posterior, _)| (found, posterior))
     }

@@ -6,8 +6,9 @@ use crate::correction::Correction;
 use crate::cost::Phase;
 use crate::identify::{AnalysisError, FAR, free_parameters};
 use crate::journal::{Asked, remembered};
+use crate::priors::{self, Belief};
 use crate::problem::{FeProblem, Patience};
-use crate::{priors, start};
+use crate::start;
 use input::Case;
 use inverse::{FitOptions, Iterate, Objective, Poll, quality};
 use model::Model;
@@ -80,7 +81,7 @@ impl FeLadder<'_> {
     /// Free parameters as a fit sees them.
     pub(super) fn free_parameters(&self, model: &Model, theta: &[f64], free: &[usize]) -> Vec<inverse::Free> {
         let mut list = free_parameters(model, theta, free);
-        priors::add(&mut list, &model.case, self.case.identify.priors.literature.unwrap_or(false));
+        priors::add(&mut list, &model.case, Belief::of(&self.case, Belief::Bounds));
         list
     }
 

@@ -16,3 +16,4 @@ mod recovered;
 mod sampling;
 mod small;
 mod torn_end;
+mod wrong_starts;

@@ -49,7 +49,7 @@ pub fn write(source: &Source, text: &str, ending: &str, session: &Session) -> Re
         let parent = edit::near(&whole(&run.path), &whole(to));
         text = edit::set_parent(&text, &parent.to_string_lossy()).map_err(fault)?;
     }
-    validate(&text, &out, session)?;
+    validate(&text, &out, session).map_err(|changed| own_faults(source, session).unwrap_or(changed))?;
     write_named(&out, text.as_bytes(), session.common.force, |_| false)?;
     Ok(out)
 }
@@ -65,6 +65,14 @@ pub fn next(source: &Source, file: &Path) -> String {
     let taken = source.run.as_ref().is_some_and(|r| r.path == place);
     let place = if taken { runs.join(format!("{stem}-next")) } else { place };
     format!("fct identify {} --out {}", quoted_path(file), quoted_path(&place))
+}
+
+/// What is wrong with the user's own file, with its own lines.
+fn own_faults(source: &Source, session: &Session) -> Option<Failure> {
+    if source.run.is_some() {
+        return None;
+    }
+    input::read_case(&source.file, &session.catalogue).err().map(Failure::from)
 }
 
 /// Reads the changed text as the commands will, from a file beside the one to be written.

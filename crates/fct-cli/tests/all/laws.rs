@@ -49,6 +49,15 @@ fn what_cannot_be_added_is_told_of_the_file_that_would_be_written() -> Tested {
     let fault = said(&["add", "yeoh", "prior.toml", "--out", "yeoh.toml"])?;
     assert!(fault.contains("yeoh.toml:") && !fault.contains(".check.toml"), "{fault}");
     assert!(!here.join("yeoh.toml").exists());
+    // What is wrong before anything is added is told of the user's own file, at its own line.
+    let broken = common::strip("").replace("[interface]\n", "[interface]\nareas = 0\n");
+    fs::write(here.join("broken.toml"), &broken)?;
+    let line = 1 + broken.lines().position(|l| l == "areas = 0").ok_or("a line")?;
+    for (verb, name) in [("add", "mullins"), ("add", "yeoh")] {
+        let fault = said(&[verb, name, "broken.toml"])?;
+        assert!(fault.contains(&format!("broken.toml:{line}:")), "{fault}");
+        assert!(!fault.contains(&format!("+{name}")) && !here.join(format!("broken+{name}.toml")).exists());
+    }
     Ok(())
 }
 
