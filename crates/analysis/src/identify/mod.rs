@@ -3,6 +3,7 @@
 
 mod finish;
 mod intervals;
+mod mirrored;
 mod nearby;
 mod poll;
 mod rest;

@@ -1,5 +1,6 @@
 //! The stages of a search, and their order on the coarse and the given mesh.
 
+use super::mirrored::mirrored;
 use super::settings::{LAST_ROUNDS, STALLED_ROUNDS};
 use super::work::{Work, free_parameters};
 use super::{AnalysisError, Stage};
@@ -43,6 +44,25 @@ pub(crate) fn stages(model: &Model, mode: Mode) -> Vec<StagePlan> {
 pub(super) fn staged(list: &[StagePlan]) -> bool {
     let has = |stage: Stage| list.iter().any(|s| s.0 == stage);
     has(Stage::Bulk) && has(Stage::Interface) && !has(Stage::Joint)
+}
+
+/// Where stages end on a mesh, one after the other, with the objective of the last.
+type End = (f64, Vec<f64>);
+
+fn ended<'l>(
+    model: &Model,
+    work: &mut Work,
+    mut stages: impl Iterator<Item = &'l StagePlan>,
+    theta: Vec<f64>,
+) -> Result<End, AnalysisError> {
+    work.theta = theta;
+    let last = stages
+        .try_fold(f64::INFINITY, |_, (stage, free, tests)| work.stage(model, *stage, free, tests, true));
+    Ok((last?, work.theta.clone()))
+}
+
+fn lower(best: Option<End>, end: End) -> Option<End> {
+    best.into_iter().chain([end]).min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// What a search works on.
@@ -105,8 +125,8 @@ impl StagedSearch<'_> {
         }
     }
 
-    /// The stages on the coarse mesh, from each start; the end with the least objective goes on. A start from which
-    /// the model cannot be computed does not count, as long as there is another.
+    /// The stages on the coarse mesh, from each start, then from the best end's mirror image along the tear path; the end with the
+    /// least objective goes on. A start from which the model cannot be computed does not count, as long as there is another.
     fn coarsely(
         &self,
         coarse: &Model,
@@ -114,31 +134,33 @@ impl StagedSearch<'_> {
         list: &[StagePlan],
         starts: Vec<Vec<f64>>,
     ) -> Result<Option<f64>, AnalysisError> {
-        let mut best: Option<(f64, Vec<f64>)> = None;
-        let mut failed = None;
+        let (mut best, mut failed) = (None, None);
         for theta in starts {
-            work.theta = theta;
-            let end = list.iter().try_fold(f64::INFINITY, |_, (stage, free, tests)| {
-                work.stage(coarse, *stage, free, tests, true)
-            });
-            match end {
-                Ok(f) if best.as_ref().is_none_or(|b| f < b.0) => best = Some((f, work.theta.clone())),
-                Ok(_) => {}
-                Err(AnalysisError::Fit(FitError::Start(PredictError::NotComputable(why)))) => {
-                    failed = Some(AnalysisError::Fit(FitError::Start(PredictError::NotComputable(why))));
+            match ended(coarse, work, list.iter(), theta) {
+                Err(e @ AnalysisError::Fit(FitError::Start(PredictError::NotComputable(_)))) => {
+                    failed = Some(e)
                 }
-                Err(e) => return Err(e),
+                end => best = lower(best, end?),
+            }
+        }
+        let image =
+            best.as_ref().and_then(|b| mirrored(coarse, &b.1)).filter(|_| !work.control.cancelled.stops());
+        if let Some(theta) = image {
+            // The bulk stands where it ended.
+            let stages = list.iter().filter(|s| s.0 != Stage::Bulk);
+            match ended(coarse, work, stages, theta) {
+                Err(AnalysisError::Fit(FitError::Start(PredictError::NotComputable(_)))) => {}
+                end => best = lower(best, end?),
             }
         }
         match (best, failed) {
             (Some((f, theta)), _) => {
                 work.theta = theta;
-                return Ok(Some(f));
+                Ok(Some(f))
             }
-            (None, Some(e)) => return Err(e),
-            (None, None) => {}
+            (None, Some(e)) => Err(e),
+            (None, None) => Ok(None),
         }
-        Ok(None)
     }
 
     /// A bulk that the intact strip alone leaves open, along the valley of its sloppy combinations, may end where the
