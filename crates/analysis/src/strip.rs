@@ -154,3 +154,42 @@ fn nominal_stress(law: &dyn PointLaw<9>, tissue: &[f64], stretch: f64) -> f64 {
     }
     at(0.5 * (low + high)).1
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ladder::tests::unloaded;
+    use model::Discretisation;
+    use std::sync::Arc;
+
+    /// Start values are no part of the grid: those that are wrong by any factor lead to the tissues that none lead to.
+    #[test]
+    fn tissues_owe_nothing_to_what_the_file_gives() {
+        let catalogue = effects::catalogue();
+        let mut case = unloaded(&catalogue);
+        case.tests[0].kind =
+            input::TestKind::new(catalogue.experiments().get("uniaxial").expect("one").card());
+        // As soft as the literature's tissues are: no bound hinders scaling.
+        if let Some(r) = &mut case.tests[0].record {
+            r.force.iter_mut().for_each(|f| *f *= 0.05);
+        }
+        let given = |values: &[(&str, f64)]| {
+            let mut case = case.clone();
+            ["mu", "k1", "k2", "gamma", "kappa"]
+                .iter()
+                .for_each(|n| case.bulk.parameters.entry((*n).into()).or_default().value = None);
+            values.iter().for_each(|(name, v)| case.bulk.start(name, *v));
+            let model =
+                Model::new(Arc::new(case.clone()), &catalogue, Discretisation::default()).expect("a model");
+            let bulk = model.free_on(model::Site::Bulk);
+            let free = crate::identify::free_parameters(&model, &model.theta(), &bulk);
+            let found = tissues(&model, (&case, Belief::Start), &free, &model.theta());
+            assert!(!found.is_empty());
+            found.into_iter().map(|t| bulk.iter().map(|&i| t[i]).collect()).collect::<Vec<Vec<f64>>>()
+        };
+        let none = given(&[]);
+        for times in [30.0, 1.0 / 30.0] {
+            assert_eq!(given(&[("mu", 0.01 * times), ("k1", 0.5 * times), ("k2", 5.0 * times)]), none);
+        }
+    }
+}

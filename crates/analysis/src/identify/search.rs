@@ -228,3 +228,18 @@ impl StagedSearch<'_> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of two ends that which misses less, of two that miss alike the earlier.
+    #[test]
+    fn the_lower_end_goes_on() {
+        let end = |f: f64, at: f64| (f, vec![at]);
+        assert_eq!(lower(None, end(3.0, 0.0)), Some(end(3.0, 0.0)));
+        assert_eq!(lower(Some(end(3.0, 0.0)), end(2.0, 1.0)), Some(end(2.0, 1.0)));
+        assert_eq!(lower(Some(end(2.0, 0.0)), end(3.0, 1.0)), Some(end(2.0, 0.0)));
+        assert_eq!(lower(Some(end(2.0, 0.0)), end(2.0, 1.0)), Some(end(2.0, 0.0)));
+    }
+}
