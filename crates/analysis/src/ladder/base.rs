@@ -144,6 +144,7 @@ fn no_answer() -> AnalysisError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ladder::catalogue::Now;
     use crate::ladder::tests::{unheard, unloaded};
 
     /// An intact strip that stiffens as no tissue does beside a tear that unloads as none does, with this noise.
@@ -177,7 +178,12 @@ mod tests {
         ladder.fitted_models.insert(none.clone(), base);
         let at = |f: &Fitted| (f.theta.clone(), f.fit.f);
         let (shown, begun) = (at(ladder.shown(&none).expect("a fit")), ladder.fitted_models[&none].fit.f);
-        assert!(ladder.settle_base().expect("a fit"));
+        ladder.columns_at(&none).expect("columns");
+        let (found, posterior, models) = ladder.posterior().expect("probabilities");
+        let mut now = Now { found, posterior, models, noise: false, leads: vec![vec!["mullins".to_owned()]] };
+        assert!(!ladder.settle_leading_base(&now).expect("nothing that leads"));
+        now.leads.push(none.clone());
+        assert!(ladder.settle_leading_base(&now).expect("a fit"));
         let end = &ladder.fitted_models[&none];
         assert!(end.settled && end.fit.f < 0.9 * begun, "{} {begun} {}", shown.1, end.fit.f);
         assert_eq!(at(ladder.shown(&none).expect("a fit")), shown);

@@ -57,7 +57,7 @@ impl FeLadder<'_> {
     }
 
     /// The base model at its end, where it leads, with the catalogue's columns there.
-    fn settle_leading_base(&mut self, now: &Now) -> Result<bool, AnalysisError> {
+    pub(super) fn settle_leading_base(&mut self, now: &Now) -> Result<bool, AnalysisError> {
         let moved = now.leads.iter().any(Vec::is_empty) && self.settle_base()?;
         if moved {
             self.columns_at(&[])?;
