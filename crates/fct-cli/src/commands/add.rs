@@ -1,6 +1,6 @@
 //! `fct add`: a config with an effect added, or with another law.
 
-use super::edit::{next, source, write};
+use super::edit::{next, refused, source, write};
 use super::effects::unknown;
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
@@ -84,8 +84,8 @@ pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure>
         .collect();
     let sentence = finding.as_ref().and_then(|f| f["sentence"].as_str());
     let reason = sentence.map_or_else(|| format!("{}: {}", card.name, card.summary), str::to_owned);
-    let text = add_effect(&from.text, card.name, &parameters, &reason)
-        .map_err(|e| Failure::usage(format!("fct: {}: {e}", from.file.display())))?;
+    let text =
+        add_effect(&from.text, card.name, &parameters, &reason).map_err(|e| refused(&from, &e, session))?;
     let file = write(&from, &text, &format!("+{}", card.name), session)?;
     let shown = file.display().to_string();
     let json = json!({ "schema": SCHEMA, "file": file, "effect": card.name, "parameters": keys });
@@ -116,7 +116,7 @@ fn law(arguments: &Arguments, site: LawSite, session: &Session) -> Result<Outcom
     let gone: Vec<String> = gone.collect();
     let reason = format!("`{law}` in place of the law that was here");
     let text = choose_law(&from.text, site.section(), law, &gone, &reason)
-        .map_err(|e| Failure::usage(format!("fct: {}: {e}", from.file.display())))?;
+        .map_err(|e| refused(&from, &e, session))?;
     let file = write(&from, &text, &format!("+{law}"), session)?;
     let shown = file.display().to_string();
     let json = json!({ "schema": SCHEMA, "file": file, "effect": law, "parameters": [] });

@@ -1,6 +1,6 @@
 //! `fct drop`: a config with an effect taken away.
 
-use super::edit::{next, source, write};
+use super::edit::{next, refused, source, write};
 use crate::outcome::{Failure, Outcome};
 use crate::session::Session;
 use ::report::answer::SCHEMA;
@@ -25,8 +25,7 @@ pub struct Arguments {
 /// An effect that is not there, an unreadable file.
 pub fn run(arguments: &Arguments, session: &Session) -> Result<Outcome, Failure> {
     let from = source(&arguments.file)?;
-    let text = drop_effect(&from.text, &arguments.effect, "")
-        .map_err(|e| Failure::usage(format!("fct: {}: {e}", from.file.display())))?;
+    let text = drop_effect(&from.text, &arguments.effect, "").map_err(|e| refused(&from, &e, session))?;
     let file = write(&from, &text, &format!("-{}", arguments.effect), session)?;
     let shown = file.display().to_string();
     let json = json!({ "schema": SCHEMA, "file": file, "effect": arguments.effect });

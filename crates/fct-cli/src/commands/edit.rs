@@ -67,6 +67,12 @@ pub fn next(source: &Source, file: &Path) -> String {
     format!("fct identify {} --out {}", quoted_path(file), quoted_path(&place))
 }
 
+/// Why a text cannot be changed; of one that is no TOML, with its line.
+pub fn refused(source: &Source, why: &EditError, session: &Session) -> Failure {
+    let own = if matches!(why, EditError::Syntax(_)) { own_faults(source, session) } else { None };
+    own.unwrap_or_else(|| Failure::usage(format!("fct: {}: {why}", source.file.display())))
+}
+
 /// What is wrong with the user's own file, with its own lines.
 fn own_faults(source: &Source, session: &Session) -> Option<Failure> {
     if source.run.is_some() {

@@ -58,6 +58,15 @@ fn what_cannot_be_added_is_told_of_the_file_that_would_be_written() -> Tested {
         assert!(fault.contains(&format!("broken.toml:{line}:")), "{fault}");
         assert!(!fault.contains(&format!("+{name}")) && !here.join(format!("broken+{name}.toml")).exists());
     }
+    // No TOML: the line, from whatever cannot change it.
+    fs::write(
+        here.join("quoted.toml"),
+        common::strip("").replace("[interface]\n", "[interface]\nareas = few\n"),
+    )?;
+    for (verb, name) in [("add", "mullins"), ("add", "yeoh"), ("drop", "mullins")] {
+        let fault = said(&[verb, name, "quoted.toml"])?;
+        assert!(fault.contains(&format!("quoted.toml:{line}:")), "{fault}");
+    }
     Ok(())
 }
 
