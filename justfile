@@ -61,6 +61,10 @@ hidden:
 hidden-sample:
     cargo run --release -p hidden-suite -- all --seed 84000 --every 7 --limit-s 5000 --dir runs/hidden-84000
 
+# The same on small strips with two areas, for so many minutes: what goes wrong is found sooner. Half a minute to three a case; resumes.
+hidden-small MINUTES="60":
+    cargo run --release -p hidden-suite -- all --size small --seed 120000 --minutes {{MINUTES}} --doc runs/hidden-small/page.md
+
 # The study on seed 98000, on which nothing was chosen, for so many minutes; its results are kept in tests/hidden/results, so that it
 # goes on from there on any machine. The page goes beside the cases.
 hidden-fresh MINUTES="150":

@@ -1,5 +1,5 @@
-//! Where a search of a torn record begins, if its file gives the mesh by divisions or each area its own values. Where there
-//! is no intact strip's record, or the tear cannot be followed with the file's values, the starts are what the record itself
+//! Where a search of a torn record begins, if the tear alone tells the bulk, or its file gives the mesh by divisions or each
+//! area its own values. Where there is no intact strip's record, or the tear cannot be followed with the file's values, the starts are what the record itself
 //! tells, each fitted on a coarse mesh: stiffness from its very beginning, with a path that holds; then, of paths whose
 //! toughness and strength are told by its work and its peak force, the one that misses it least. The file's own values are one
 //! start more.

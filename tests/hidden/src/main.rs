@@ -29,14 +29,32 @@ enum What {
     All,
 }
 
+/// How large the cases are.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Size {
+    /// Four areas, elements of 0.9 mm: some minutes each.
+    Study,
+    /// Two areas, elements of 1.4 mm: many records.
+    Small,
+}
+
+impl Size {
+    const fn fineness(self) -> Fineness {
+        match self {
+            Self::Study => Fineness::STUDY,
+            Self::Small => Fineness::SMALL,
+        }
+    }
+}
+
 /// The hidden-effect study.
 #[derive(Parser)]
 struct Args {
     /// What to do.
     what: What,
-    /// Where the cases live.
-    #[arg(long, default_value = "runs/hidden")]
-    dir: PathBuf,
+    /// Where the cases live (runs/hidden, or runs/hidden-small).
+    #[arg(long)]
+    dir: Option<PathBuf>,
     /// Seed of the first case; the others follow it.
     #[arg(long, default_value_t = 31_000)]
     seed: u64,
@@ -70,9 +88,21 @@ struct Args {
     /// Commit of the program that answers, for the page and the results.
     #[arg(long)]
     commit: Option<String>,
+    /// Meshes of the records and of the fit.
+    #[arg(long, value_enum, default_value_t = Size::Study)]
+    size: Size,
     /// Print every step of the search.
     #[arg(long)]
     verbose: bool,
+}
+
+impl Args {
+    fn dir(&self) -> PathBuf {
+        self.dir.clone().unwrap_or_else(|| match self.size {
+            Size::Study => "runs/hidden".into(),
+            Size::Small => "runs/hidden-small".into(),
+        })
+    }
 }
 
 fn main() -> ExitCode {
@@ -83,12 +113,12 @@ fn main() -> ExitCode {
         .filter(|s| args.only.is_empty() || args.only.contains(&s.name))
         .collect();
     let results = args.results.as_ref();
-    let ready = results.is_none_or(|path| told(path, archive::unpack(path, &args.dir)));
+    let ready = results.is_none_or(|path| told(path, archive::unpack(path, &args.dir())));
     // Not over what could not be read, or is of another study.
     let good = ready && are_of_this_study(&args, &specs) && {
         let answered = study(&args, &specs);
         let program = args.commit.as_deref();
-        let kept = results.is_none_or(|path| told(path, archive::pack(&args.dir, path, program)));
+        let kept = results.is_none_or(|path| told(path, archive::pack(&args.dir(), path, program)));
         let wanted = matches!(args.what, What::Report | What::All);
         answered & kept & (!wanted || document(&args, &specs))
     };
@@ -106,11 +136,11 @@ fn told(path: &Path, done: Result<usize, GenerateError>) -> bool {
 /// Whether the cases that are there are those of the seed that was asked for: their names are the same for every seed.
 fn are_of_this_study(args: &Args, specs: &[Spec]) -> bool {
     let other = specs.iter().find_map(|s| {
-        let truth = files::truth(&args.dir.join(&s.name)).ok()?;
+        let truth = files::truth(&args.dir().join(&s.name)).ok()?;
         (truth.seed != s.seed).then(|| format!("{} is of seed {}, expected {}", s.name, truth.seed, s.seed))
     });
     if let Some(other) = &other {
-        eprintln!("{}: {other}; give another --dir, --results or --seed", args.dir.display());
+        eprintln!("{}: {other}; give another --dir, --results or --seed", args.dir().display());
     }
     other.is_none()
 }
@@ -135,7 +165,7 @@ fn study(args: &Args, specs: &[Spec]) -> bool {
 /// Writes what is answered to the file of the results, where one is asked for.
 fn keep(args: &Args) -> bool {
     let Some(path) = &args.results else { return true };
-    let kept = archive::pack(&args.dir, path, args.commit.as_deref());
+    let kept = archive::pack(&args.dir(), path, args.commit.as_deref());
     if let Err(e) = &kept {
         eprintln!("{e}");
     }
@@ -144,12 +174,12 @@ fn keep(args: &Args) -> bool {
 
 /// What is asked for and not there yet of one case.
 fn one(args: &Args, spec: &Spec) -> bool {
-    let folder = args.dir.join(&spec.name);
+    let folder = args.dir().join(&spec.name);
     let wanted = |what: What| args.what == what || args.what == What::All;
     let there = || folder.join("truth.json").is_file();
     let mut good = true;
     if wanted(What::Generate) && !there() {
-        good &= make(spec, &folder);
+        good &= make(spec, &args.size.fineness(), &folder);
     }
     if wanted(What::Run) && there() && run::stored(&folder, Drawn::All).is_none() {
         good &= ask(args, &folder, Drawn::All);
@@ -165,9 +195,9 @@ fn one(args: &Args, spec: &Spec) -> bool {
     good
 }
 
-fn make(spec: &Spec, folder: &Path) -> bool {
+fn make(spec: &Spec, fineness: &Fineness, folder: &Path) -> bool {
     let start = Instant::now();
-    match generate(spec, &Fineness::STUDY, folder) {
+    match generate(spec, fineness, folder) {
         Ok(t) => eprintln!(
             "{} {:?} {:?} {:?}: rms/noise {}, beyond the base {:.1}, mesh {}, σc × {:.2}, {:.1} s",
             t.name,
@@ -249,7 +279,8 @@ fn name(folder: &Path) -> String {
 /// What makes and answers these cases, and goes on where they stop.
 fn command(args: &Args) -> String {
     let results = args.results.as_ref().map_or(String::new(), |r| format!(" --results {}", r.display()));
-    format!("-- all --seed {} --every {} --limit-s {}{results}", args.seed, args.every, args.limit_s)
+    let size = if args.size == Size::Small { " --size small" } else { "" };
+    format!("-- all --seed {} --every {} --limit-s {}{size}{results}", args.seed, args.every, args.limit_s)
 }
 
 /// The commits that answered, as far as they are known.
@@ -261,7 +292,7 @@ fn programs(args: &Args) -> Option<String> {
 
 fn document(args: &Args, specs: &[Spec]) -> bool {
     let stored = |drawn: Drawn| -> Vec<_> {
-        specs.iter().filter_map(|s| run::stored(&args.dir.join(&s.name), drawn)).collect()
+        specs.iter().filter_map(|s| run::stored(&args.dir().join(&s.name), drawn)).collect()
     };
     let outcomes = stored(Drawn::All);
     let beside = args.beside.as_ref().map(|dir| Beside::new(&args.beside_name, &outcomes, dir));
@@ -269,6 +300,7 @@ fn document(args: &Args, specs: &[Spec]) -> bool {
         command: command(args),
         commit: programs(args),
         planned: specs.len(),
+        fineness: args.size.fineness(),
         left_out: stored(Drawn::LeftOut),
     };
     let text = report::page(&outcomes, &study, beside.as_ref());

@@ -237,7 +237,8 @@ mod tests {
         assert!(found.fit.f <= 1.001 * identified, "{} for {}", found.fit.f, identified);
     }
 
-    /// All that is near begins once more, and what leads ends where `identify` of it does; each once.
+    /// Where noise is left, what leads begins once more, unless the base does; elsewhere all that is near, and what leads ends where
+    /// `identify` of it does; each once.
     #[test]
     fn what_leads_is_taken_to_where_identify_ends_and_its_rivals_are_not() {
         let catalogue = effects::catalogue();
@@ -246,11 +247,17 @@ mod tests {
         ladder.columns_at(&[]).expect("columns");
         ladder.fit_sets(&sets).expect("fits");
         let (found, posterior, models) = ladder.posterior().expect("probabilities");
-        let mut now = Now { found, posterior, models, noise: true, leads: sets[..1].to_vec() };
+        let mut now = Now { found, posterior, models, noise: true, leads: vec![sets[0].clone(), Vec::new()] };
         let mut done = Done::default();
         assert!(
             !ladder.begin_rivals_again(&mut done, &now) && !ladder.end_leaders_as_identified(&mut done, &now)
         );
+        // A base that does not lead is bent.
+        now.leads.pop();
+        assert!(
+            ladder.begin_rivals_again(&mut done, &now) && !ladder.end_leaders_as_identified(&mut done, &now)
+        );
+        assert_eq!(done.twice, sets[..1].iter().cloned().collect());
         now.noise = false;
         assert!(
             ladder.begin_rivals_again(&mut done, &now) && ladder.end_leaders_as_identified(&mut done, &now)

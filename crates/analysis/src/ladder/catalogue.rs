@@ -12,6 +12,7 @@ use super::{FeLadder, Fitted, named};
 use crate::cost::Phase;
 use crate::identify::{AnalysisError, FAR};
 use crate::probable::{Probable, probable_with_models};
+use inverse::PredictError;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::sync::PoisonError;
@@ -48,6 +49,7 @@ impl FeLadder<'_> {
                 || self.end_leaders_as_identified(&mut done, &now)
                 || self.fit_others(&mut done, &now)?
                 || self.settle_leaders(&mut done, &now)?
+                || self.settle_rivals(&mut done, &now)?
                 || self.screen_leaders(&now)?
                 || self.grow(&now)?;
             if !moved {
@@ -78,14 +80,18 @@ impl FeLadder<'_> {
         Ok(!likely.is_empty())
     }
 
-    /// The leading sets once more from the record, where more than noise is left, and single effects whose evidence was worth its
-    /// integral: a fit that ended early has next to no share of the posterior, and what leads instead takes it.
+    /// The leading sets once more from the record, where the base model does not lead: its optimum, from which they were fitted,
+    /// is bent by what it lacks, and what explains the records there may do so by a tear that is not the strip's. Where more
+    /// than noise is left, single effects whose evidence was worth its integral, too: a fit that ended early has next to no
+    /// share of the posterior, and what leads instead takes it.
     pub(super) fn begin_rivals_again(&mut self, done: &mut Done, now: &Now) -> bool {
         let open = {
             let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-            let near = |s: &[String]| known.weighed(s).is_some_and(|m| m.judged.is_some());
-            self.unsettled(now, &done.twice, |s| {
-                now.leads.iter().any(|l| l == s) || (s.len() == 1 && near(s))
+            let near = |s: &[String]| s.len() == 1 && known.weighed(s).is_some_and(|m| m.judged.is_some());
+            let bent = !now.leads.iter().any(Vec::is_empty);
+            self.unsettled(&done.twice, |s| {
+                let leads = now.leads.iter().any(|l| l == s);
+                if now.noise { bent && leads } else { leads || near(s) }
             })
         };
         self.fit_again(&open, |ladder, _, f| ladder.restart_as_identified(f));
@@ -93,25 +99,21 @@ impl FeLadder<'_> {
         !open.is_empty()
     }
 
-    /// The leading sets where `identify` of them ends. For all of the others that would take longer than the search.
+    /// The leading sets where `identify` of them ends, where more than noise is left. For all of the others that would take longer
+    /// than the search.
     pub(super) fn end_leaders_as_identified(&mut self, done: &mut Done, now: &Now) -> bool {
-        let open = self.unsettled(now, &done.ended, |s| now.leads.iter().any(|l| l == s));
+        let open = self.unsettled(&done.ended, |s| !now.noise && now.leads.iter().any(|l| l == s));
         self.fit_again(&open, |ladder, _, f| ladder.end_as_identified(f));
         done.ended.extend(open.iter().cloned());
         !open.is_empty()
     }
 
-    /// Where more than noise is left, those sets with effects that count, are not on the file's mesh, and not among these.
-    fn unsettled(
-        &self,
-        now: &Now,
-        but: &BTreeSet<Vec<String>>,
-        counts: impl Fn(&[String]) -> bool,
-    ) -> Vec<Vec<String>> {
+    /// Those sets with effects that count, are not on the file's mesh, and not among these.
+    fn unsettled(&self, but: &BTreeSet<Vec<String>>, counts: impl Fn(&[String]) -> bool) -> Vec<Vec<String>> {
         let open = self
             .fitted_models
             .iter()
-            .filter(|(s, f)| !now.noise && !f.settled && !s.is_empty() && !but.contains(*s) && counts(s));
+            .filter(|(s, f)| !f.settled && !s.is_empty() && !but.contains(*s) && counts(s));
         open.map(|(s, _)| s.clone()).collect()
     }
 
@@ -144,9 +146,39 @@ impl FeLadder<'_> {
             .filter(|s| s.len() < LARGEST && !self.screened.contains_key(s))
             .collect();
         for set in &unscreened {
-            self.columns_at(set)?;
+            match self.columns_at(set) {
+                // Without columns nothing is added to this set; what was found stands.
+                Err(AnalysisError::Predict(PredictError::NotComputable(why))) => {
+                    (self.progress)(&format!("{}: no screen ({why})", named(set)));
+                    self.screened.insert(set.clone(), Vec::new());
+                }
+                screened => screened?,
+            }
         }
         Ok(!unscreened.is_empty())
+    }
+
+    /// Single effects that gain over the base model and are not far behind what leads, once on the file's mesh. On the search's
+    /// they are put right at the base only: the farther a fit goes from there, the less that says of it, and what leads stands
+    /// on the file's mesh itself.
+    pub(super) fn settle_rivals(&mut self, done: &mut Done, now: &Now) -> Result<bool, AnalysisError> {
+        let open = self.rivals(done, now);
+        self.settle_once(&open)?;
+        done.seen.extend(open.iter().cloned());
+        Ok(!open.is_empty())
+    }
+
+    fn rivals(&self, done: &Done, now: &Now) -> Vec<Vec<String>> {
+        let fitted = || now.models.iter().filter(|m| m.fitted);
+        let best = fitted().map(evidence::Judged::ln_z).fold(f64::NEG_INFINITY, f64::max);
+        let base = fitted().filter(|m| m.effects.is_empty()).map(evidence::Judged::ln_z);
+        let base = base.fold(f64::NEG_INFINITY, f64::max);
+        let near = |z: f64| z > base && z > best - evidence::HOPELESS;
+        fitted()
+            .filter(|m| m.effects.len() == 1 && near(m.ln_z()) && !done.seen.contains(&m.effects))
+            .filter(|m| self.fitted_models.get(&m.effects).is_some_and(|f| !f.settled))
+            .map(|m| m.effects.clone())
+            .collect()
     }
 
     /// The sets that the posterior asks for next.
@@ -281,6 +313,8 @@ pub(super) struct Done {
     pub twice: BTreeSet<Vec<String>>,
     /// Sets that were taken to where `identify` of them ends.
     pub ended: BTreeSet<Vec<String>>,
+    /// Sets that were looked at on the file's mesh.
+    pub seen: BTreeSet<Vec<String>>,
     /// Sets whose effects were tried in other forms.
     pub formed: BTreeSet<Vec<String>>,
 }
@@ -306,4 +340,78 @@ pub(super) struct Now {
     pub noise: bool,
     /// The sets that an answer may hang on.
     pub leads: Vec<Vec<String>>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ladder::tests::unexplained;
+    use evidence::Judged;
+
+    fn one(effect: &str) -> Vec<String> {
+        vec![effect.to_owned()]
+    }
+
+    /// What gains over the base model and is not far behind is looked at on the file's mesh, once; it counts from there, but is
+    /// not at its end.
+    #[test]
+    fn rivals_are_looked_at_on_the_files_mesh_once() {
+        let catalogue = effects::catalogue();
+        let mut ladder = unexplained(&catalogue);
+        ladder.columns_at(&[]).expect("columns");
+        let sets = ["compliance", "drift", "slack", "mullins"].map(one);
+        ladder.fit_sets(&sets).expect("fits");
+        let (found, posterior, _) = ladder.posterior().expect("probabilities");
+        let judged = |set: &[String], ln_z: f64| Judged::from_numbers(set, ln_z, -700.0);
+        let [near, no_gain, far, leads] = &sets;
+        let now = |base: f64| Now {
+            found: found.clone(),
+            posterior: posterior.clone(),
+            models: vec![
+                judged(&[], base),
+                judged(near, -11.0),
+                judged(no_gain, -20.5),
+                judged(far, -13.0),
+                judged(leads, 0.0),
+                judged(&one("lag"), -1.0),
+            ],
+            noise: true,
+            leads: vec![leads.clone()],
+        };
+        ladder.fitted_models.get_mut(leads).expect("a fit").settled = true;
+        let mut done = Done::default();
+        assert_eq!(ladder.rivals(&done, &now(-20.0)), std::slice::from_ref(near));
+        // Where the base model is no worse, a fit stands where it is put right.
+        assert!(ladder.rivals(&done, &now(-10.0)).is_empty());
+        // As if the search's mesh had misjudged it.
+        let fit = &mut ladder.fitted_models.get_mut(near).expect("a fit").fit;
+        let right = std::mem::replace(&mut fit.f, 1e9);
+        assert!(ladder.settle_rivals(&mut done, &now(-20.0)).expect("a step"));
+        let seen = &ladder.fitted_models[near];
+        assert!(seen.fit.f <= 1.01 * right && !seen.settled, "{} for {right}", seen.fit.f);
+        assert!(!ladder.settle_rivals(&mut done, &now(-20.0)).expect("nothing to do"));
+    }
+
+    /// Where the search's mesh gives no answer, what the file's has found stands, and is not added to.
+    #[test]
+    fn what_the_search_mesh_cannot_follow_stands() {
+        let catalogue = effects::catalogue();
+        let mut ladder = unexplained(&catalogue);
+        let (found, posterior, models) = {
+            ladder.columns_at(&[]).expect("columns");
+            ladder.posterior().expect("probabilities")
+        };
+        let mullins = one("mullins");
+        ladder.fit_sets(std::slice::from_ref(&mullins)).expect("a fit");
+        let mut begun = ladder.begun_of(&ladder.fitted_models[&mullins]).expect("a start");
+        begun.warm.clear();
+        ladder.options.stepping.budget = 0;
+        let (stands, _) = ladder.settle(begun, None, 0).expect("a run").expect("an answer");
+        assert!(stands.settled && stands.correction == crate::Correction::default());
+        assert!((stands.fit.f / ladder.fitted_models[&mullins].fit.f - 1.0).abs() < 0.01);
+        ladder.fitted_models.insert(mullins.clone(), stands);
+        let now = Now { found, posterior, models, noise: true, leads: vec![mullins.clone()] };
+        assert!(ladder.screen_leaders(&now).expect("no error"));
+        assert!(ladder.screened[&mullins].is_empty() && !ladder.screen_leaders(&now).expect("nothing to do"));
+    }
 }

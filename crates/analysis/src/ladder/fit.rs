@@ -20,8 +20,8 @@ use std::sync::atomic::Ordering;
 /// is a short step more often than the end.
 pub(super) const TOLERANCE: f64 = 3e-3;
 
-/// A fit that comes to about the base's χ², no better than this share of it, and gains less than that share in a step, is left:
-/// what it has not gained by then it will not. One that is clearly worse is on its way: at its neutral value an effect is as good
+/// A fit that comes to about the base's χ², no better than this share of it, and gains next to nothing of what is beyond the noise
+/// in a step, is left: what it has not gained by then it will not. One that is clearly worse is on its way: at its neutral value an effect is as good
 /// as the base.
 pub(super) const LITTLE: f64 = 0.9;
 const COARSE_TOLERANCE: f64 = 2e-2;
@@ -170,12 +170,13 @@ impl FeLadder<'_> {
     ) -> impl FnMut(&Iterate) -> ControlFlow<()> {
         let names = super::named(&self.parts_of(model));
         let (progress, leader) = (self.progress, self.leader);
+        let points = self.measured.data.points() as f64;
         let mut last = f64::INFINITY;
         move |i: &Iterate| {
             progress(&format!("{names}: iteration {}, {}", i.iteration, came_to(i)));
             // A trial that was rejected says nothing about the fit.
             let taken = i.f.filter(|_| i.accepted);
-            let idle = taken.is_some_and(|f| little.contains(&f) && last - f < COARSE_TOLERANCE * f);
+            let idle = taken.is_some_and(|f| little.contains(&f) && last - f < worth(f, points));
             // Beside a model that leaves noise alone, and only there, half a difference of χ² is one of evidence. Twice
             // the fall of the last step is what a fit may hope for.
             let behind = taken
@@ -186,6 +187,12 @@ impl FeLadder<'_> {
             if idle || behind || too_slow { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         }
     }
+}
+
+/// Fall of χ² that is worth another step to a fit that gains little, on so many points: a share of what is beyond the noise. At
+/// the noise a difference of χ² is one of evidence, however small a share of the whole.
+fn worth(f: f64, points: f64) -> f64 {
+    (COARSE_TOLERANCE * (f - points)).max(INSIGNIFICANT)
 }
 
 /// What a run of a fit came to. One without an answer may have taken longest.
@@ -310,6 +317,26 @@ mod tests {
         let other =
             crate::ladder::laws::with_law(&ladder.case, &catalogue, input::LawSite::Bulk, "neo_hooke");
         assert!(ladder.known_starts(&other).is_empty() && !ladder.known_starts(&ladder.case).is_empty());
+    }
+
+    /// At the noise a step is worth what evidence is; far above it, a share of what is left.
+    #[test]
+    fn a_step_is_worth_a_share_of_what_is_beyond_the_noise() {
+        assert_eq!([700.0, 690.0, 712.5].map(|f| worth(f, 700.0)), [INSIGNIFICANT; 3]);
+        assert!((worth(10_700.0, 700.0) - 200.0).abs() < 1e-9);
+        let catalogue = effects::catalogue();
+        let ladder = unexplained(&catalogue);
+        let model = &ladder.fitted_models[&Vec::new()].model;
+        let points = ladder.measured.data.points() as f64;
+        let left_at = |above: f64, fall: f64| {
+            let mut watch = ladder.watch(model, 0.0..f64::INFINITY, Pace::below(f64::INFINITY));
+            (0..3_u32).position(|k| {
+                let f = Some(points + above - f64::from(k) * fall);
+                let (theta, iteration) = (Vec::new(), k as usize);
+                watch(&Iterate { iteration, f, theta, accepted: true, damping: 0.0 }).is_break()
+            })
+        };
+        assert_eq!((left_at(10.0, 1.0), left_at(10.0, 0.2), left_at(1000.0, 1.0)), (None, Some(1), Some(1)));
     }
 
     #[test]

@@ -91,6 +91,29 @@ impl FeLadder<'_> {
         Ok(())
     }
 
+    /// One step on the file's mesh of each of these sets, side by side. Where
+    /// that mesh gives no answer a fit stays as it is.
+    pub(super) fn settle_once(&mut self, sets: &[Vec<String>]) -> Result<(), AnalysisError> {
+        let this = &*self;
+        let one = |set: &Vec<String>| match this.fitted_models.get(set) {
+            Some(f) => this.settle(this.begun_of(f)?, this.fine_states.as_ref(), 1),
+            None => Ok(None),
+        };
+        let done: Vec<Result<Option<(Fitted, FineStates)>, AnalysisError>> =
+            sets.par_iter().map(one).collect();
+        for (set, moved) in sets.iter().zip(done) {
+            if let Some((f, _)) = moved? {
+                (self.progress)(&format!(
+                    "{}: χ² {:.1} after a step on the file's mesh",
+                    named(set),
+                    f.fit.f
+                ));
+                self.fitted_models.insert(set.clone(), Fitted { settled: false, ..f });
+            }
+        }
+        Ok(())
+    }
+
     /// A fit that gives no answer on the file's mesh, taken to where `fct identify` of its model ends there. `None`: nowhere.
     pub(super) fn settle_as_identified(
         &self,
@@ -161,7 +184,7 @@ impl FeLadder<'_> {
         self.runs.fetch_add(done.runs, Ordering::Relaxed);
         drop((problem, cheap));
         let states = FineStates { model: fine, warm: done.warm };
-        Ok(self.settled_at(begun, done.fit)?.map(|fitted| (fitted, states)))
+        Ok(Some((self.settled_at(begun, done.fit)?, states)))
     }
 
     /// A start whose laws have the roles that their cards mean.
@@ -173,22 +196,24 @@ impl FeLadder<'_> {
         begun
     }
 
-    /// A rung at the end of its fit on the file's mesh; `None` where the search's gives no answer there.
-    fn settled_at(&self, begun: Begun, end: Fit) -> Result<Option<Fitted>, AnalysisError> {
+    /// A rung at the end of its fit on the file's mesh. Where the search's gives no answer there, nothing is put right by it: what
+    /// the file's mesh says stands, but nothing can be added to it.
+    fn settled_at(&self, begun: Begun, end: Fit) -> Result<Fitted, AnalysisError> {
         // From the same states whether the fit was done or remembered: the same bits.
         let cheap = self.on_search_mesh(&begun);
         let own = match cheap.predict(&end.theta, true) {
-            Ok(own) => own,
-            Err(PredictError::NotComputable(_)) => return Ok(None),
+            Ok(own) => Some(own),
+            Err(PredictError::NotComputable(_)) => None,
             Err(e) => return Err(e.into()),
         };
         let (theta, warm) = (cheap.full(&end.theta), cheap.warm());
         drop(cheap);
         let Begun { model, free, free_parameters, .. } = begun;
-        Ok(Some(Fitted {
+        let difference = |own| Correction::first_order(&free_parameters, &end.theta, &end.prediction, own);
+        Ok(Fitted {
             theta,
             quality: quality(&self.measured.data, &free_parameters, &end),
-            correction: Correction::first_order(&free_parameters, &end.theta, &end.prediction, &own),
+            correction: own.as_ref().map_or_else(Correction::default, difference),
             free_parameters,
             fit: end,
             settled: true,
@@ -196,7 +221,7 @@ impl FeLadder<'_> {
             warm,
             free,
             model,
-        }))
+        })
     }
 
     /// The model of a fit's start on the search's mesh, with its states.

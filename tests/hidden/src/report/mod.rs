@@ -13,6 +13,7 @@ mod tests;
 
 pub use beside::Beside;
 
+use crate::forward::Fineness;
 use crate::outcome::{End, Outcome};
 use std::fmt::Write as _;
 
@@ -30,6 +31,8 @@ pub struct Study {
     pub commit: Option<String>,
     /// Cases that were asked for.
     pub planned: usize,
+    /// Their meshes.
+    pub fineness: Fineness,
     /// Answers to cases whose effect was taken from the catalogue.
     pub left_out: Vec<Outcome>,
 }
@@ -38,7 +41,7 @@ pub struct Study {
 pub fn page(outcomes: &[Outcome], study: &Study, beside: Option<&Beside>) -> String {
     let mut text = String::from("# Records with a hidden effect\n\n");
     text.push_str(&state(outcomes, study, beside));
-    text.push_str(ABOUT);
+    text.push_str(&ABOUT.replace("{meshes}", &meshes(&study.fineness)));
     text.push_str(&criteria::section(outcomes, beside));
     text.push_str(&scores::section(outcomes, beside));
     text.push_str(&matrix::section(outcomes));
@@ -103,6 +106,23 @@ fn state(outcomes: &[Outcome], study: &Study, beside: Option<&Beside>) -> String
         );
     }
     text
+}
+
+/// Rows of a table: what the records were computed on, and what they are fitted on.
+fn meshes(f: &Fineness) -> String {
+    let counted = |n: usize, one: &str, more: &str| {
+        if n == 1 { format!("one {one}") } else { format!("{n} {more}") }
+    };
+    format!(
+        "| mesh of the records | {} mm and {} mm, {}, or a uniform grid; sizes ±10 %; more steps; nodal integration of the \
+         tear path |\n| mesh of the fit | {} mm and {} mm, one layer, Gauss points, {}; its nodes are not the records' |",
+        f.bulk,
+        f.path,
+        counted(f.layers, "layer", "layers"),
+        f.fit.bulk,
+        f.fit.path,
+        counted(f.fit.areas, "area", "areas")
+    )
 }
 
 /// Numbers of cases.

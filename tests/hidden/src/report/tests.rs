@@ -1,4 +1,5 @@
 use super::{Beside, Study, page};
+use crate::forward::Fineness;
 use crate::outcome::Outcome;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -30,7 +31,7 @@ fn outcome(v: &Value) -> Outcome {
 }
 
 fn study(left_out: Vec<Outcome>) -> Study {
-    Study { command: "-- all".into(), commit: None, planned: 1, left_out }
+    Study { command: "-- all".into(), commit: None, planned: 1, fineness: Fineness::SMALL, left_out }
 }
 
 #[test]
@@ -44,6 +45,10 @@ fn a_name_in_place_of_the_effect_that_was_left_out_is_counted() {
     assert!(text.contains(row), "{text}");
     let whole = page(&all, &study(Vec::new()), None);
     assert!(!whole.contains("left out") && !whole.contains("These are the cases"));
+    assert!(
+        whole.contains("| mesh of the fit | 1.4 mm and 0.5 mm, one layer, Gauss points, 2 areas;"),
+        "{whole}"
+    );
     let part = page(&all, &Study { planned: 9, ..study(Vec::new()) }, None);
     assert!(part.contains("These are the cases 1; the others were not asked."), "{part}");
 }
