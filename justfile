@@ -61,7 +61,7 @@ hidden:
 hidden-sample:
     cargo run --release -p hidden-suite -- all --seed 84000 --every 7 --limit-s 5000 --dir runs/hidden-84000
 
-# The same on small strips with two areas, for so many minutes: what goes wrong is found sooner. Half a minute to three a case; resumes.
+# The same on small strips with two areas, for so many minutes: what goes wrong is found sooner. Seconds to some minutes a case; resumes.
 hidden-small MINUTES="60":
     cargo run --release -p hidden-suite -- all --size small --seed 120000 --minutes {{MINUTES}} --doc runs/hidden-small/page.md
 

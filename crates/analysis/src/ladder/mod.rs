@@ -17,6 +17,7 @@ mod modes;
 mod neutral;
 pub(crate) mod next_test;
 mod pace;
+mod rivals;
 mod settle;
 #[cfg(test)]
 pub(crate) mod tests;
