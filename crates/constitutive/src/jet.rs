@@ -179,6 +179,10 @@ impl<const N: usize> Over<f64> for Jet<N> {
     fn times(self, x: f64) -> Self {
         self * x
     }
+    #[inline(always)]
+    fn over(self, x: f64) -> Self {
+        self / x
+    }
 }
 impl<const N: usize> Over<Jet<N>> for Jet<N> {
     #[inline(always)]
@@ -188,6 +192,10 @@ impl<const N: usize> Over<Jet<N>> for Jet<N> {
     #[inline(always)]
     fn times(self, x: Self) -> Self {
         self * x
+    }
+    #[inline(always)]
+    fn over(self, x: Self) -> Self {
+        self / x
     }
 }
 

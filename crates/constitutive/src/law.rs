@@ -102,6 +102,21 @@ pub trait Describe<const G: usize> {
         None
     }
 
+    /// The new history, as [`Law::respond`] writes it over plain numbers, and its derivative ∂new/∂gradient, a row per
+    /// entry, coded analytically where a law does so; it must agree with the jets. `false`, with nothing of use
+    /// written: the caller differentiates by jets.
+    fn history_tangent(
+        &self,
+        _ctx: &Context,
+        _gradient: &[f64; G],
+        _params: &[f64],
+        _old: &[f64],
+        _new: &mut [f64],
+        _rows: &mut [[f64; G]],
+    ) -> bool {
+        false
+    }
+
     /// What the law offers beyond its answer: parts, scales, starts. A decorator passes on what the law inside offers.
     fn offers(&self) -> Offers {
         Offers::default()
@@ -185,6 +200,32 @@ macro_rules! tangent_by_jets {
 tangent_by_jets!(tangent_by_jets_9, 9);
 tangent_by_jets!(tangent_by_jets_3, 3);
 tangent_by_jets!(tangent_by_jets_1, 1);
+
+/// New history of a law and its derivative by the gradient, a row per entry: analytic where the law has it, by
+/// forward-mode jets elsewhere.
+pub fn history_tangent_9(
+    law: &dyn PointLaw<9>,
+    ctx: &Context,
+    gradient: &[f64; 9],
+    params: &[f64],
+    old: &[f64],
+    new: &mut [f64],
+    rows: &mut [[f64; 9]],
+) {
+    if law.history_tangent(ctx, gradient, params, old, new, rows) {
+        return;
+    }
+    let g: [Jet<9>; 9] = std::array::from_fn(|i| Jet::variable(gradient[i], i));
+    with_lifted(params, |p| {
+        with_lifted(old, |o| {
+            let mut after: Vec<Jet<9>> = o.to_vec();
+            law.respond(ctx, &g, p, o, &mut after);
+            for ((value, row), j) in new.iter_mut().zip(rows.iter_mut()).zip(&after) {
+                (*value, *row) = (j.re, j.eps);
+            }
+        });
+    });
+}
 
 fn with_lifted<const N: usize, R>(plain: &[f64], f: impl FnOnce(&[Jet<N>]) -> R) -> R {
     if plain.len() <= SMALL {

@@ -21,8 +21,8 @@ pub mod testing;
 
 pub use jet::Jet;
 pub use law::{
-    Context, Describe, Energy, HistorySpec, Law, PointLaw, Response, WIDTH, tangent_by_jets_1,
-    tangent_by_jets_3, tangent_by_jets_9,
+    Context, Describe, Energy, HistorySpec, Law, PointLaw, Response, WIDTH, history_tangent_9,
+    tangent_by_jets_1, tangent_by_jets_3, tangent_by_jets_9,
 };
 pub use offers::{BulkParts, Capability, Cohesion, FibreFamily, Offers, Part, StartGrid};
 pub use part::{BulkPart, part, part_response, part_tangent};

@@ -174,6 +174,8 @@ pub trait Over<X> {
     fn lift(x: X) -> Self;
     /// self · x.
     fn times(self, x: X) -> Self;
+    /// self / x.
+    fn over(self, x: X) -> Self;
 }
 
 impl Over<f64> for f64 {
@@ -184,5 +186,9 @@ impl Over<f64> for f64 {
     #[inline(always)]
     fn times(self, x: f64) -> f64 {
         self * x
+    }
+    #[inline(always)]
+    fn over(self, x: f64) -> f64 {
+        self / x
     }
 }

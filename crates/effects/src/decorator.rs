@@ -3,6 +3,8 @@
 //! A decoration says only what it adds. [`Decorated`] does the bookkeeping once, so that the state
 //! of the second of two composed effects cannot be lost and names cannot clash.
 
+pub use crate::lists::with_changed;
+use crate::lists::{MOST, constants};
 use constitutive::{Context, Describe, Energy, HistorySpec, Law, Offers, PointLaw, Response, Scalar};
 use params::ParamSpec;
 use std::sync::Arc;
@@ -75,19 +77,6 @@ where
     }
 }
 
-/// Parameters or history variables of an inner law that a call without jets has room for.
-const MOST: usize = 64;
-
-/// The values, if none has a derivative and there is room for them.
-fn constants<S: Scalar>(all: &[S]) -> Option<[f64; MOST]> {
-    let mut out = [0.0; MOST];
-    if all.len() > MOST || !all.iter().all(S::is_constant) {
-        return None;
-    }
-    out.iter_mut().zip(all).for_each(|(to, x)| *to = x.value());
-    Some(out)
-}
-
 impl<const G: usize> Call<'_, f64, G> {
     /// Energies of the inner law at another gradient or other parameters.
     pub fn inner_energies(&self, gradient: &[f64; G], params: &[f64], new: &[f64]) -> Energy {
@@ -99,6 +88,12 @@ impl<const G: usize> Call<'_, f64, G> {
         self.inner.analytic_tangent(self.ctx, gradient, params, self.inner_old, new)
     }
 
+    /// The inner law's new history and its derivative by the gradient, a row per entry; nothing of a law without memory.
+    pub fn inner_history_tangent(&self, to: Memory<'_, G>) -> bool {
+        let (ctx, old) = (self.ctx, self.inner_old);
+        old.is_empty() || self.inner.history_tangent(ctx, self.gradient, self.base, old, to.new, to.rows)
+    }
+
     /// The answer of the inner law at the same history for another gradient: nothing is recorded.
     pub fn inner_probe(&self, gradient: &[f64; G], history: &[f64]) -> Response<f64, G> {
         let mut scratch = history.to_vec();
@@ -108,6 +103,14 @@ impl<const G: usize> Call<'_, f64, G> {
 
 /// Force and its derivative by the gradient.
 pub type Tangent<const G: usize> = ([f64; G], [[f64; G]; G]);
+
+/// A history to be written, and its derivative by the gradient.
+pub struct Memory<'a, const G: usize> {
+    /// An entry each.
+    pub new: &'a mut [f64],
+    /// A row per entry.
+    pub rows: &'a mut [[f64; G]],
+}
 
 /// What a decorator adds to the law inside.
 pub trait Decoration<const G: usize>: Send + Sync + 'static {
@@ -134,6 +137,12 @@ pub trait Decoration<const G: usize>: Send + Sync + 'static {
 
     /// Energies at a converged state.
     fn energies(&self, call: &Call<'_, f64, G>, inner_new: &[f64], new: &[f64]) -> Energy;
+
+    /// The new history and its derivative by the gradient, a row per entry, where that is cheaper than jets; the rows of
+    /// the inner law's history by [`Call::inner_history_tangent`]. `false`: by jets.
+    fn history_tangent(&self, _call: &Call<'_, f64, G>, _inner: Memory<'_, G>, _own: Memory<'_, G>) -> bool {
+        false
+    }
 
     /// Tangent from the inner law's analytic tangent, where that is cheap.
     fn analytic_tangent(
@@ -246,26 +255,19 @@ impl<D: Decoration<G>, const G: usize> Describe<G> for Decorated<D, G> {
         let (inner_new, new) = new.split_at_mut(self.history);
         self.decoration.analytic_tangent(&self.call(ctx, gradient, params, old), inner_new, new)
     }
-}
 
-/// Longest parameter list that is changed on the stack.
-const SMALL: usize = 48;
-
-/// Calls `f` with a copy of `params` in which `change` has altered some entries.
-#[inline]
-pub fn with_changed<S: Scalar, R>(
-    params: &[S],
-    change: impl FnOnce(&mut [S]),
-    f: impl FnOnce(&[S]) -> R,
-) -> R {
-    if params.len() <= SMALL {
-        let mut copy = [S::zero(); SMALL];
-        copy[..params.len()].copy_from_slice(params);
-        change(&mut copy[..params.len()]);
-        f(&copy[..params.len()])
-    } else {
-        let mut copy = params.to_vec();
-        change(&mut copy);
-        f(&copy)
+    fn history_tangent(
+        &self,
+        ctx: &Context,
+        gradient: &[f64; G],
+        params: &[f64],
+        old: &[f64],
+        new: &mut [f64],
+        rows: &mut [[f64; G]],
+    ) -> bool {
+        let (inner_new, new) = new.split_at_mut(self.history);
+        let (inner_rows, rows) = rows.split_at_mut(self.history);
+        let inner = Memory { new: inner_new, rows: inner_rows };
+        self.decoration.history_tangent(&self.call(ctx, gradient, params, old), inner, Memory { new, rows })
     }
 }

@@ -5,6 +5,7 @@ pub mod card_text;
 mod catalogue;
 pub mod decorator;
 pub mod interface;
+mod lists;
 pub mod load_train;
 mod numeric;
 pub mod sensor;

@@ -6,7 +6,7 @@ mod common;
 use common::*;
 use constitutive::Context;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use fem::sensitivity::{Columns, columns_for};
+use fem::sensitivity::Group;
 use fem::{History, NoObserver, Problem, State, System, hex8, run_steps};
 use std::hint::black_box;
 use std::sync::Arc;
@@ -112,9 +112,8 @@ fn forward(c: &mut Criterion) {
     });
     group.bench_function("force and 20 sensitivities", |b| {
         b.iter(|| {
-            let mut chunks = columns_for(&problem, &theta, &seeds);
-            let mut columns: Vec<&mut (dyn Columns + 'static)> =
-                chunks.iter_mut().map(|c| c.columns()).collect();
+            let mut group = Group::new(&problem, &theta, &seeds);
+            let mut columns = group.columns();
             run_steps(
                 &problem,
                 &theta,

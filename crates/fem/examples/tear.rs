@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p fem --example tear`
 
-use fem::sensitivity::{Columns, columns_for};
+use fem::sensitivity::Group;
 use fem::{
     Blend, Body, NoObserver, Path, Prescribed, Problem, SteppingOptions, System, Target, interface, run_steps,
 };
@@ -59,8 +59,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         mount: vec![],
     });
 
-    let mut chunks = columns_for(&problem, &theta, &(0..11).collect::<Vec<_>>());
-    let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c.columns()).collect();
+    let mut group = Group::new(&problem, &theta, &(0..11).collect::<Vec<_>>());
+    let mut columns = group.columns();
     let mut system = System::new(&problem)?;
     let plan: Vec<Target> = (0..=20).map(|i| Target::new(0.25 * f64::from(i), 1.0)).collect();
     let options = SteppingOptions { ledger: true, ..SteppingOptions::default() };

@@ -1,8 +1,8 @@
 //! One family of dispersed fibres: direction, strain, energy and stress.
 
 use crate::kinematics::{Kinematics, Part, Planar};
-use crate::law::{FIBRE_ONSET, FibreInvariants, GAMMA, Hgo, K1, K2, KAPPA};
-use constitutive::{Response, Scalar};
+use crate::law::{FIBRE_ONSET, FibreInvariants, GAMMA, Hgo, K1, K2, KAPPA, at_rest};
+use constitutive::{Over, Response, Scalar};
 
 /// Number of fibre families.
 pub const FAMILIES: usize = 2;
@@ -43,18 +43,24 @@ pub(crate) struct Family<S> {
 impl<S: Scalar> Family<S> {
     /// Both families.
     #[inline(always)]
-    pub fn both(law: &Hgo, kin: &Kinematics<S>, params: &[S]) -> [Self; FAMILIES] {
+    pub fn both<X: Scalar>(law: &Hgo, kin: &Kinematics<X>, params: &[S]) -> [Self; FAMILIES]
+    where
+        S: Over<X>,
+    {
         // Not `map`, which is not inlined here and costs a fifth of the analytic tangent.
         let [a, b] = structure_tensors(params);
         [Self::new(law, kin, params[FIBRE_ONSET], a), Self::new(law, kin, params[FIBRE_ONSET], b)]
     }
 
     #[inline(always)]
-    fn new(law: &Hgo, kin: &Kinematics<S>, onset: S, h: Planar<S>) -> Self {
+    fn new<X: Scalar>(law: &Hgo, kin: &Kinematics<X>, onset: S, h: Planar<S>) -> Self
+    where
+        S: Over<X>,
+    {
         // H : (C − I) instead of H : C − 1: exact near the reference state.
         let excess = h.dot(&kin.c_minus_i);
         let strain = match law.fibre_invariants {
-            FibreInvariants::Isochoric => kin.m * excess + (kin.m - 1.0),
+            FibreInvariants::Isochoric => excess.times(kin.m) + S::lift(kin.m - 1.0),
             FibreInvariants::Full => excess,
         };
         Self { h, invariant: excess + 1.0, strain: strain - onset }
@@ -68,7 +74,10 @@ impl<S: Scalar> Family<S> {
 
     /// Stress and energy of an active family.
     #[inline(always)]
-    pub fn part(&self, law: &Hgo, kin: &Kinematics<S>, params: &[S]) -> Part<S> {
+    pub fn part<X: Scalar>(&self, law: &Hgo, kin: &Kinematics<X>, params: &[S]) -> Part<S>
+    where
+        S: Over<X>,
+    {
         let square = self.strain * self.strain;
         let (exp, ratio) = exp_and_ratio(params[K2] * square);
         let slope = params[K1] * self.strain * exp * 2.0;
@@ -76,8 +85,8 @@ impl<S: Scalar> Family<S> {
         match law.fibre_invariants {
             FibreInvariants::Full => Part { along: self.h.scaled(slope), across: S::zero(), energy },
             FibreInvariants::Isochoric => {
-                let slope = slope * kin.m;
-                let across = slope * self.invariant / (kin.j * -3.0);
+                let slope = slope.times(kin.m);
+                let across = (slope * self.invariant).over(kin.j * -3.0);
                 Part { along: self.h.scaled(slope), across, energy }
             }
         }
@@ -119,19 +128,43 @@ const SERIES: [f64; 14] = {
 /// First Piola stress (MPa, row-major) and energy (MPa) of one fibre family, 0 or 1: the third
 /// term of the paper's eq. 1, with the bracket and the invariants `law` asks for.
 pub fn fibre_response<S: Scalar>(law: &Hgo, f: &[S; 9], params: &[S], family: usize) -> Response<S, 9> {
-    let kin = Kinematics::new(f);
-    let fibre = &Family::both(law, &kin, params)[family];
-    let part = if fibre.active(law) { fibre.part(law, &kin, params) } else { Part::zero() };
-    part.response(&kin)
+    match at_rest(f) {
+        Some(f) => response_of(law, &Kinematics::new(&f), params, family),
+        None => response_of(law, &Kinematics::new(f), params, family),
+    }
+}
+
+#[inline(always)]
+fn response_of<X: Scalar, S: Scalar + Over<X>>(
+    law: &Hgo,
+    kin: &Kinematics<X>,
+    params: &[S],
+    family: usize,
+) -> Response<S, 9> {
+    let fibre = &Family::both(law, kin, params)[family];
+    let part = if fibre.active(law) { fibre.part(law, kin, params) } else { Part::zero() };
+    part.response(kin)
 }
 
 /// Fictitious second Piola stress 2 ∂Ψ_f/∂C̄ of one fibre family, 0 or 1, at C̄ = J^(−2/3) C: MPa, as
 /// [xx, yy, zz, xy, yz, xz]. Its deviator with respect to C, times J^(−2/3), is the family's stress
 /// (with isochoric invariants, whatever `law` says of them).
 pub fn fibre_fictitious_stress<S: Scalar>(law: &Hgo, f: &[S; 9], params: &[S], family: usize) -> [S; 6] {
-    let kin = Kinematics::new(f);
+    match at_rest(f) {
+        Some(f) => fictitious_of(law, &Kinematics::new(&f), params, family),
+        None => fictitious_of(law, &Kinematics::new(f), params, family),
+    }
+}
+
+#[inline(always)]
+fn fictitious_of<X: Scalar, S: Scalar + Over<X>>(
+    law: &Hgo,
+    kin: &Kinematics<X>,
+    params: &[S],
+    family: usize,
+) -> [S; 6] {
     let law = Hgo { fibre_invariants: FibreInvariants::Isochoric, ..*law };
-    let fibre = &Family::both(&law, &kin, params)[family];
+    let fibre = &Family::both(&law, kin, params)[family];
     let zero = S::zero();
     if !fibre.active(&law) {
         return [zero; 6];
@@ -144,7 +177,7 @@ pub fn fibre_fictitious_stress<S: Scalar>(law: &Hgo, f: &[S; 9], params: &[S], f
 /// Fibre strain of one family, 0 or 1: E_f − E_r with E_f of the paper's eq. 3 and E_r the fibre
 /// onset; negative where the family is shortened (no bracket).
 pub fn fibre_strain<S: Scalar>(law: &Hgo, f: &[S; 9], params: &[S], family: usize) -> S {
-    Family::both(law, &Kinematics::new(f), params)[family].strain
+    Family::both::<S>(law, &Kinematics::new(f), params)[family].strain
 }
 
 #[cfg(test)]

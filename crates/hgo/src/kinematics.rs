@@ -1,6 +1,6 @@
 //! What every part of the law needs from F, computed once, and the form all its stresses share.
 
-use constitutive::{Response, Scalar, tensor};
+use constitutive::{Over, Response, Scalar, tensor};
 
 /// A symmetric tensor without xz and yz components: all that two families in the x–y plane need.
 #[derive(Clone, Copy)]
@@ -30,18 +30,24 @@ impl<S: Scalar> Planar<S> {
     }
 
     /// Contraction of two such tensors.
-    pub fn dot(&self, o: &Self) -> S {
-        self.xx * o.xx + self.yy * o.yy + self.zz * o.zz + self.xy * o.xy * 2.0
+    pub fn dot<X: Scalar>(&self, o: &Planar<X>) -> S
+    where
+        S: Over<X>,
+    {
+        self.xx.times(o.xx) + self.yy.times(o.yy) + self.zz.times(o.zz) + self.xy.times(o.xy) * 2.0
     }
 
     /// F · self.
     #[inline(always)]
-    pub fn pushed(&self, f: &[S; 9]) -> [S; 9] {
+    pub fn pushed<X: Scalar>(&self, f: &[X; 9]) -> [S; 9]
+    where
+        S: Over<X>,
+    {
         let mut out = [S::zero(); 9];
         for i in [0, 3, 6] {
-            out[i] = f[i] * self.xx + f[i + 1] * self.xy;
-            out[i + 1] = f[i] * self.xy + f[i + 1] * self.yy;
-            out[i + 2] = f[i + 2] * self.zz;
+            out[i] = self.xx.times(f[i]) + self.xy.times(f[i + 1]);
+            out[i + 1] = self.xy.times(f[i]) + self.yy.times(f[i + 1]);
+            out[i + 2] = self.zz.times(f[i + 2]);
         }
         out
     }
@@ -113,10 +119,13 @@ impl<S: Scalar> Part<S> {
 
     /// The first Piola stress and the energy.
     #[inline(always)]
-    pub fn response(&self, kin: &Kinematics<S>) -> Response<S, 9> {
+    pub fn response<X: Scalar>(&self, kin: &Kinematics<X>) -> Response<S, 9>
+    where
+        S: Over<X>,
+    {
         let mut force = self.along.pushed(&kin.f);
         for (p, c) in force.iter_mut().zip(&kin.cof) {
-            *p += *c * self.across;
+            *p += self.across.times(*c);
         }
         Response { force, energy: self.energy }
     }

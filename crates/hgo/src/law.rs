@@ -3,7 +3,7 @@
 use crate::fibre::Family;
 use crate::kinematics::{Kinematics, Part, Planar};
 use crate::tangent;
-use constitutive::{Context, Describe, Energy, HistorySpec, Law, Offers, Response, Scalar};
+use constitutive::{Context, Describe, Energy, HistorySpec, Law, Offers, Over, Response, Scalar};
 use params::{ParamSpec, Quantity, Reciprocal, Transform};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -97,36 +97,36 @@ pub fn d_of(bulk_modulus: f64) -> f64 {
 }
 
 #[inline(always)]
-fn volumetric_part<S: Scalar>(kin: &Kinematics<S>, d: S) -> Part<S> {
+fn volumetric_part<X: Scalar, S: Scalar + Over<X>>(kin: &Kinematics<X>, d: S) -> Part<S> {
     let x = kin.j - 1.0;
     // (J² − 1)/2 − ln J, with x = J − 1 so that small volume changes keep their digits.
-    let energy = (x * (x + 2.0) * 0.5 - x.ln_1p()) / d;
-    Part { along: Planar::zero(), across: (kin.j - kin.j.recip()) / d, energy }
+    let energy = S::lift(x * (x + 2.0) * 0.5 - x.ln_1p()) / d;
+    Part { along: Planar::zero(), across: S::lift(kin.j - kin.j.recip()) / d, energy }
 }
 
 #[inline(always)]
-fn matrix_part<S: Scalar>(kin: &Kinematics<S>, mu: S) -> Part<S> {
+fn matrix_part<X: Scalar, S: Scalar + Over<X>>(kin: &Kinematics<X>, mu: S) -> Part<S> {
     let excess = kin.i1_minus_3();
-    let stiffness = mu * kin.m;
+    let stiffness = mu.times(kin.m);
     Part {
         along: Planar::spherical(stiffness),
         // Written so that P is exactly zero at F = I.
-        across: -(stiffness * (excess / 3.0 + 1.0) / kin.j),
-        energy: mu * (kin.m * excess + (kin.m - 1.0) * 3.0) * 0.5,
+        across: -(stiffness.times(excess / 3.0 + 1.0).over(kin.j)),
+        energy: mu.times(kin.m * excess + (kin.m - 1.0) * 3.0) * 0.5,
     }
 }
 
 /// Volumetric stress (MPa) and energy (MPa), the first term of the paper's eq. 1; `d` in 1/MPa.
 pub fn volumetric<S: Scalar>(f: &[S; 9], d: S) -> Response<S, 9> {
     let kin = Kinematics::new(f);
-    volumetric_part(&kin, d).response(&kin)
+    volumetric_part::<S, S>(&kin, d).response(&kin)
 }
 
 /// Stress (MPa) and energy (MPa) of the isochoric neo-Hookean matrix, the second term of the
 /// paper's eq. 1; `mu` in MPa.
 pub fn matrix_response<S: Scalar>(f: &[S; 9], mu: S) -> Response<S, 9> {
     let kin = Kinematics::new(f);
-    matrix_part(&kin, mu).response(&kin)
+    matrix_part::<S, S>(&kin, mu).response(&kin)
 }
 
 impl<S: Scalar> Law<S, 9> for Hgo {
@@ -139,14 +139,29 @@ impl<S: Scalar> Law<S, 9> for Hgo {
         _old: &[S],
         _new: &mut [S],
     ) -> Response<S, 9> {
-        let kin = Kinematics::new(gradient);
-        let mut sum = volumetric_part(&kin, params[D]).plus(matrix_part(&kin, params[MU]));
-        for fibre in &Family::both(self, &kin, params) {
+        match at_rest(gradient) {
+            Some(f) => self.sum(&Kinematics::new(&f), params),
+            None => self.sum(&Kinematics::new(gradient), params),
+        }
+    }
+}
+
+/// The gradient in plain numbers, if it is constant and only parameters carry derivatives.
+#[inline(always)]
+pub(crate) fn at_rest<S: Scalar>(gradient: &[S; 9]) -> Option<[f64; 9]> {
+    (!S::PLAIN && gradient.iter().all(S::is_constant)).then(|| gradient.map(S::value))
+}
+
+impl Hgo {
+    #[inline(always)]
+    fn sum<X: Scalar, S: Scalar + Over<X>>(&self, kin: &Kinematics<X>, params: &[S]) -> Response<S, 9> {
+        let mut sum = volumetric_part(kin, params[D]).plus(matrix_part(kin, params[MU]));
+        for fibre in &Family::both(self, kin, params) {
             if fibre.active(self) {
-                sum = sum.plus(fibre.part(self, &kin, params));
+                sum = sum.plus(fibre.part(self, kin, params));
             }
         }
-        sum.response(&kin)
+        sum.response(kin)
     }
 }
 

@@ -2,8 +2,7 @@
 
 use super::{Base, Tried, Variant};
 use crate::identify::AnalysisError;
-use constitutive::WIDTH;
-use fem::sensitivity::{Chunk, Columns};
+use fem::sensitivity::{Chunk, Group};
 use fem::{Run, State, Target, run_steps};
 use inverse::Prediction;
 use model::{LONG_REST, TestRun};
@@ -21,12 +20,12 @@ impl Base<'_> {
         options.follow_holds = true;
         options.follow_turns = true;
         let mut out: Vec<Option<TestRun>> = (0..self.model.tests.len()).map(|_| None).collect();
-        let mut before: Option<(State, Vec<Chunk<WIDTH>>, Vec<Chunk<1>>)> = None;
+        let mut before: Option<(State, Group, Vec<Chunk<1>>)> = None;
         let memoryless = self.model.tests.iter().all(|t| !t.has_memory());
         for (t, test) in self.model.tests.iter().enumerate() {
             let problem = Arc::new(test.problem(self.theta));
             let mut system = test.take_system(&problem)?;
-            let mut base = fem::sensitivity::columns_for(&problem, self.theta, self.free);
+            let mut base = Group::new(&problem, self.theta, self.free);
             let mut extra: Vec<Chunk<1>> = variants
                 .iter()
                 .map(|v| {
@@ -39,7 +38,7 @@ impl Base<'_> {
             let before_this = before.take().filter(|_| !fresh);
             let initial = self.model.initial_state(&problem, test, before_this.as_ref().map(|b| &b.0));
             if let Some((_, b, e)) = &before_this {
-                base.iter_mut().zip(b).for_each(|(c, o)| c.carry_bulk_from(o));
+                base.carry_bulk_from(b);
                 extra.iter_mut().zip(e).for_each(|(c, o)| c.carry_bulk_from(o));
             }
             let plan = self.model.plan(t, &options);
@@ -50,8 +49,7 @@ impl Base<'_> {
             let kept = self.warm.get(t).and_then(Option::as_ref);
             let warm = kept.map(|w| plan.guesses(&self.model.plan(t, &self.options), w));
             let camera = self.model.camera_at(t, self.theta);
-            let mut columns: Vec<&mut (dyn Columns + 'static)> = Vec::new();
-            columns.extend(base.iter_mut().map(|c| c.columns()));
+            let mut columns = base.columns();
             columns.extend(extra.iter_mut().map(|c| c.columns()));
             let run = run_steps(
                 &problem,

@@ -2,7 +2,7 @@
 
 use super::fibres_of;
 use super::tangent::{add, add_square};
-use crate::decorator::{Call, Decoration, Tangent, decorate};
+use crate::decorator::{Call, Decoration, Memory, Tangent, decorate};
 use crate::numeric::{add_scaled, plus};
 use constitutive::{Capability, Energy, Law, Part, PointLaw, Response, Scalar, part_response, part_tangent};
 use model::{Action, Card, Effect, Options, Piece, Scales, Screening, Sided, Site};
@@ -146,6 +146,16 @@ impl Decoration<9> for Damage {
             }
         }
         Some(sum)
+    }
+
+    /// The largest energy grows with the energy, by the family's stress, or stays.
+    fn history_tangent(&self, call: &Call<'_, f64, 9>, inner: Memory<'_, 9>, own: Memory<'_, 9>) -> bool {
+        for (f, family) in self.fibres.iter().enumerate() {
+            let fibre = part_response(family, call.gradient, call.base);
+            own.new[f] = fibre.energy.max_of(call.old[f]);
+            own.rows[f] = if fibre.energy >= call.old[f] { fibre.force } else { [0.0; 9] };
+        }
+        call.inner_history_tangent(inner)
     }
 
     fn energies(&self, call: &Call<'_, f64, 9>, inner_new: &[f64], new: &[f64]) -> Energy {

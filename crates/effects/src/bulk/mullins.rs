@@ -2,7 +2,7 @@
 
 use super::tangent::{add, add_square, isochoric_tangent};
 use super::{isochoric, volumetric_of};
-use crate::decorator::{Call, Decoration, Tangent, decorate};
+use crate::decorator::{Call, Decoration, Memory, Tangent, decorate};
 use crate::numeric::{add_scaled, erf_integral, plus};
 use constitutive::{Capability, Energy, Law, Part, PointLaw, Response, Scalar};
 use model::{Action, Card, Effect, Options, Piece, Scales, Screening, Sided, Site};
@@ -172,6 +172,17 @@ impl Decoration<9> for Softening {
             add_square(&mut sum.1, call.own[A] * FRAC_2_SQRT_PI * (-x * x).exp() / width, &iso.0);
         }
         Some(sum)
+    }
+
+    /// The largest energy grows with the energy, by its stress, or stays; over a law without memory, as above.
+    fn history_tangent(&self, call: &Call<'_, f64, 9>, inner: Memory<'_, 9>, own: Memory<'_, 9>) -> bool {
+        if !call.inner_old.is_empty() {
+            return false;
+        }
+        let iso = isochoric(self.volumetric.as_ref(), call.gradient, call.base, &call.inner(inner.new));
+        own.new[0] = iso.energy.max_of(call.old[0]);
+        own.rows[0] = if iso.energy >= call.old[0] { iso.force } else { [0.0; 9] };
+        true
     }
 
     /// Lost: a w ∫₀^(Ψmax/w) erf, a function of Ψmax alone.

@@ -5,7 +5,9 @@
 use crate::battery;
 
 use battery::*;
-use constitutive::{Context, PointLaw, tangent_by_jets_3, tangent_by_jets_9, testing};
+use constitutive::{
+    Context, Jet, PointLaw, history_tangent_9, tangent_by_jets_3, tangent_by_jets_9, testing,
+};
 use model::{Bulk, Site};
 use std::sync::Arc;
 
@@ -60,6 +62,54 @@ fn bulk_tangents_are_exact_symmetric_and_objective() {
             let error = testing::objectivity_error(&*law, ctx, f, &q, &params, old);
             assert!(error < 1e-10, "{name}: frame indifference: {error:e}");
         }
+    }
+}
+
+/// Jets along the gradient: the new history and its derivative.
+fn history_by_jets(
+    law: &dyn PointLaw<9>,
+    ctx: &Context,
+    f: &[f64; 9],
+    params: &[f64],
+    old: &[f64],
+) -> Vec<Jet<9>> {
+    let lift = |v: &[f64]| v.iter().map(|&x| Jet::constant(x)).collect::<Vec<Jet<9>>>();
+    let along: [Jet<9>; 9] = std::array::from_fn(|i| Jet::variable(f[i], i));
+    let mut new = lift(old);
+    law.respond(ctx, &along, &lift(params), &lift(old), &mut new);
+    new
+}
+
+#[test]
+fn histories_follow_the_gradient_as_jets_say() {
+    let mut analytic = Vec::new();
+    for (name, law, params) in bulk_forms() {
+        let steps = off_switches(stretching(2));
+        let trace = drive(&*law, &params, &steps);
+        for s in 1..steps.len() {
+            let (ctx, f) = &steps[s];
+            let old = &trace.history[s - 1];
+            let (mut new, mut rows) = (vec![f64::NAN; old.len()], vec![[f64::NAN; 9]; old.len()]);
+            if law.history_tangent(ctx, f, &params, old, &mut new, &mut rows) {
+                analytic.push(name.clone());
+            }
+            history_tangent_9(&*law, ctx, f, &params, old, &mut new, &mut rows);
+            let jets = history_by_jets(&*law, ctx, f, &params, old);
+            let scale = jets.iter().flat_map(|j| j.eps).fold(1e-12f64, |m, x| m.max(x.abs()));
+            for (new, plain) in new.iter().zip(&trace.history[s]) {
+                assert!((new - plain).abs() <= 1e-13 * (1.0 + plain.abs()), "{name}: {new} {plain}");
+            }
+            for (row, j) in rows.iter().zip(&jets) {
+                for (a, b) in row.iter().zip(&j.eps) {
+                    assert!((a - b).abs() <= 1e-11 * scale, "{name}, step {s}: {a} {b}");
+                }
+            }
+        }
+    }
+    let cheap = ["viscoelastic", "mullins", "fiber_damage"];
+    let forms = bulk_forms().into_iter().filter(|f| cheap.iter().any(|c| f.0.starts_with(c)));
+    for (name, ..) in forms {
+        assert!(analytic.contains(&name), "{name} differentiates by jets");
     }
 }
 

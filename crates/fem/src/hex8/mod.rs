@@ -8,10 +8,12 @@
 
 mod deformation;
 mod forces;
+mod history;
 mod tangent;
 mod volume;
 
 pub use forces::forces;
+pub use history::{HistoryTangent, update_history};
 pub use tangent::{Scratch, Tangent, tangent};
 pub use volume::{Pressure, Volume};
 
@@ -214,43 +216,6 @@ where
         }
     }
     r
-}
-
-/// The history after a step, without forces: displacements over `S`, positions in plain numbers.
-pub fn update_history<S: Scalar>(
-    law: &(dyn PointLaw<9> + 'static),
-    ctx: &Context,
-    params: &[S],
-    geo: &Geometry<f64>,
-    u: &[[S; 3]; 8],
-    old: &[S],
-    new: &mut [S],
-) where
-    dyn PointLaw<9>: Law<S, 9>,
-{
-    let nh = old.len() / POINTS;
-    let mut f = [tensor::identity::<S>(); POINTS];
-    let mut det = [S::zero(); POINTS];
-    let (mut volume, mut reference) = (S::zero(), 0.0);
-    for q in 0..POINTS {
-        for a in 0..8 {
-            for i in 0..3 {
-                for j in 0..3 {
-                    f[q][3 * i + j] += u[a][i].times(geo.gradients[q][j][a]);
-                }
-            }
-        }
-        det[q] = tensor::det(&f[q]);
-        volume += det[q].times(geo.volumes[q]);
-        reference += geo.volumes[q];
-    }
-    let j_bar = volume.times(1.0 / reference);
-    for q in 0..POINTS {
-        let s = (j_bar * det[q].recip()).cbrt();
-        let f_bar = f[q].map(|c| c * s);
-        let h = q * nh..(q + 1) * nh;
-        law.respond(ctx, &f_bar, params, &old[h.clone()], &mut new[h]);
-    }
 }
 
 /// F̄ at the points, for energies and fields.

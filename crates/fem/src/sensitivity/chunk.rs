@@ -4,7 +4,7 @@ use super::{Columns, Stage, StepDerivatives};
 use crate::equilibrium::Border;
 use crate::problem::{LocalParams, Problem};
 use crate::system::NONE;
-use constitutive::{Jet, Law, PointLaw, WIDTH};
+use constitutive::{Jet, Law, PointLaw};
 use std::sync::Arc;
 
 /// Columns in chunks of `W` derivatives.
@@ -23,7 +23,7 @@ pub struct Chunk<const W: usize> {
     /// Whether no bulk history depends on the seeds so far.
     constant: bool,
     /// Bulk history after the partial sweep, kept when no total sweep is needed.
-    pending: Vec<Jet<W>>,
+    pub(super) pending: Vec<Jet<W>>,
     direct_history: bool,
     repeatable: bool,
     moved: bool,
@@ -96,7 +96,7 @@ impl<const W: usize> Chunk<W> {
 }
 
 // Not generic and not inlined: what a run calls is compiled here, not anew in every crate that runs a model.
-impl Chunk<WIDTH> {
+impl Chunk<1> {
     /// As [`crate::run_steps`] takes it.
     #[inline(never)]
     pub fn columns(&mut self) -> &mut (dyn Columns + 'static) {
@@ -104,11 +104,86 @@ impl Chunk<WIDTH> {
     }
 }
 
-impl Chunk<1> {
-    /// As [`crate::run_steps`] takes it.
-    #[inline(never)]
-    pub fn columns(&mut self) -> &mut (dyn Columns + 'static) {
-        self
+/// What the border, the displacements and the tear path of a step came to.
+pub(super) struct Closed<const W: usize> {
+    pub u: Vec<Jet<W>>,
+    grip: [f64; W],
+    actuator: [f64; W],
+    force: [f64; W],
+    reactions: Vec<[f64; W]>,
+}
+
+/// Whether the bulk's history still asks for a sweep that follows the displacements.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Rest {
+    Done,
+    Asks,
+}
+
+impl<const W: usize> Chunk<W>
+where
+    dyn PointLaw<9>: Law<Jet<W>, 9>,
+    dyn PointLaw<3>: Law<Jet<W>, 3>,
+    dyn PointLaw<1>: Law<Jet<W>, 1>,
+{
+    /// Closes the border and carries the history of the tear path on.
+    pub(super) fn close(&mut self, stage: &Stage, border: &Border, solution: &[f64]) -> Closed<W> {
+        let (grip, actuator, force) = self.close_border(stage, border, solution);
+        let u = self.total_u(stage, border, solution, &grip);
+        let reactions = self.reactions(stage, &u);
+        self.moved = false;
+        if !self.path.is_empty() {
+            let new = self.path_forces(stage, &u).1;
+            self.moved |= differs(&self.path, &new);
+            self.path = new;
+        }
+        Closed { u, grip, actuator, force, reactions }
+    }
+
+    /// Carries the bulk's history on where that takes no sweep of its own.
+    pub(super) fn carry_bulk(&mut self, stage: &Stage, u: &[Jet<W>]) -> Rest {
+        if self.bulk.is_empty() {
+            return Rest::Done;
+        }
+        let undisturbed = self.undisturbed(stage, u);
+        self.constant = undisturbed.is_some();
+        let new = if let Some(plain) = undisturbed {
+            plain
+        } else if self.direct_history {
+            std::mem::take(&mut self.pending)
+        } else if self.in_shape {
+            self.bricks_total(stage, u).1
+        } else {
+            return Rest::Asks;
+        };
+        self.take_bulk(new);
+        Rest::Done
+    }
+
+    pub(super) fn take_bulk(&mut self, new: Vec<Jet<W>>) {
+        self.moved |= differs(&self.bulk, &new);
+        self.bulk = new;
+    }
+
+    /// Carries the train on; the derivatives of the displacements and of the step.
+    pub(super) fn finish(&mut self, stage: &Stage, closed: Closed<W>) -> (Vec<f64>, StepDerivatives) {
+        let train = self.train.clone();
+        self.carry_train(stage, &closed.force);
+        self.moved |= differs(&train, &self.train);
+        let count = self.seeds.len();
+        let mut du = vec![0.0; closed.u.len() * count];
+        for (to, j) in du.chunks_exact_mut(count).zip(&closed.u) {
+            to.copy_from_slice(&j.eps[..count]);
+        }
+        let take = |v: [f64; W]| v[..count].to_vec();
+        let step = StepDerivatives {
+            force: take(closed.force),
+            grip: take(closed.grip),
+            actuator: take(closed.actuator),
+            reactions: closed.reactions.into_iter().map(take).collect(),
+            extra: Vec::new(),
+        };
+        (du, step)
     }
 }
 
@@ -174,49 +249,12 @@ where
     }
 
     fn total(&mut self, stage: &Stage, border: &Border, solution: &[f64]) -> (Vec<f64>, StepDerivatives) {
-        let (d_grip, d_act, d_force) = self.close_border(stage, border, solution);
-        let u = self.total_u(stage, border, solution, &d_grip);
-        let reactions = self.reactions(stage, &u);
-        self.moved = false;
-        if !self.path.is_empty() {
-            let new = self.path_forces(stage, &u).1;
-            self.moved |= differs(&self.path, &new);
-            self.path = new;
+        let closed = self.close(stage, border, solution);
+        if let Rest::Asks = self.carry_bulk(stage, &closed.u) {
+            let new = self.history_total(stage, &closed.u);
+            self.take_bulk(new);
         }
-        if !self.bulk.is_empty() {
-            let undisturbed = self.undisturbed(stage, &u);
-            self.constant = undisturbed.is_some();
-            let new = if let Some(plain) = undisturbed {
-                plain
-            } else if self.direct_history {
-                std::mem::take(&mut self.pending)
-            } else if self.in_shape {
-                self.bricks_total(stage, &u).1
-            } else {
-                self.history_total(stage, &u)
-            };
-            self.moved |= differs(&self.bulk, &new);
-            self.bulk = new;
-        }
-        let train = self.train.clone();
-        self.carry_train(stage, &d_force);
-        self.moved |= differs(&train, &self.train);
-        let count = self.seeds.len();
-        let mut du = vec![0.0; u.len() * count];
-        for (dof, j) in u.iter().enumerate() {
-            du[dof * count..(dof + 1) * count].copy_from_slice(&j.eps[..count]);
-        }
-        let take = |v: [f64; W]| v[..count].to_vec();
-        (
-            du,
-            StepDerivatives {
-                force: take(d_force),
-                grip: take(d_grip),
-                actuator: take(d_act),
-                reactions: reactions.into_iter().map(take).collect(),
-                extra: Vec::new(),
-            },
-        )
+        self.finish(stage, closed)
     }
 
     fn repeatable(&self) -> bool {

@@ -2,24 +2,25 @@
 //!
 //! At each converged step: a **partial** sweep (parameters seeded, displacements constant, history
 //! seeded with its stored total derivative) gives −∂R/∂θ; the tangent factorised at the converged
-//! state solves for all columns at once; a **total** sweep (displacements seeded too) carries the
-//! derivative of the history on. No ∂P/∂h matrix is ever formed; step sizes are frozen.
+//! state solves for all columns at once; then the derivative of the history is carried on, by what the partial
+//! sweep says of it and by ∂h/∂F̄ along the displacements ([`Group`]), or by a **total** sweep (displacements seeded
+//! too). No ∂P/∂h matrix is ever formed; step sizes are frozen.
 //!
 //! A [`Columns`] object owns its own problem: the columns of an effect that is tried at its
 //! neutral value use the decorated law on the states of the base model.
 
 mod border;
 mod chunk;
+mod group;
 mod sweeps;
 
 pub use chunk::Chunk;
+pub use group::Group;
 
 use crate::equilibrium::Border;
-use crate::problem::Problem;
 use crate::state::State;
 use crate::system::System;
 use constitutive::Context;
-use std::sync::Arc;
 
 /// One step as the columns see it.
 pub struct Stage<'a> {
@@ -62,6 +63,25 @@ impl StepDerivatives {
     pub fn along(&self) -> &[f64] {
         self.reactions.first().unwrap_or(&self.force)
     }
+
+    /// Puts the columns of `more` behind these, in every output.
+    pub(crate) fn append(&mut self, more: Self) {
+        self.force.extend(more.force);
+        self.grip.extend(more.grip);
+        self.actuator.extend(more.actuator);
+        extend(&mut self.reactions, more.reactions);
+        extend(&mut self.extra, more.extra);
+    }
+}
+
+fn extend(all: &mut Vec<Vec<f64>>, more: Vec<Vec<f64>>) {
+    if all.is_empty() {
+        *all = more;
+        return;
+    }
+    for (a, e) in all.iter_mut().zip(more) {
+        a.extend(e);
+    }
 }
 
 /// A set of derivative columns propagated through a run.
@@ -83,13 +103,4 @@ pub trait Columns: Send {
     fn save(&mut self);
     /// Goes back to the history that was saved last.
     fn restore(&mut self);
-}
-
-/// Chunks of the standard width for a list of parameters.
-pub fn columns_for(
-    problem: &Arc<Problem>,
-    theta: &[f64],
-    seeds: &[usize],
-) -> Vec<Chunk<{ constitutive::WIDTH }>> {
-    seeds.chunks(constitutive::WIDTH).map(|c| Chunk::new(problem.clone(), theta, c)).collect()
 }

@@ -68,25 +68,14 @@ where
         element: impl Fn(usize, &[usize; 8], &[Jet<W>], &mut [Jet<W>]) -> [[Jet<W>; 3]; 8] + Sync,
     ) -> BrickForces<W> {
         let nh = self.bulk.len() / self.problem.body.hexes.len().max(1);
-        let results: Vec<([[Jet<W>; 3]; 8], Vec<Jet<W>>)> = self
-            .problem
-            .body
-            .hexes
-            .par_iter()
-            .enumerate()
-            .map(|(e, h)| {
-                let old = &self.bulk[e * nh..(e + 1) * nh];
-                let mut new = old.to_vec();
-                let r = element(e, h, old, &mut new);
-                (r, new)
-            })
-            .collect();
-        let mut forces = Vec::with_capacity(results.len());
-        let mut history = Vec::with_capacity(self.bulk.len());
-        for (r, h) in results {
-            forces.push(r);
-            history.extend(h);
+        let hexes = &self.problem.body.hexes;
+        if nh == 0 {
+            let of = |(e, h)| element(e, h, &[], &mut []);
+            return (hexes.par_iter().enumerate().map(of).collect(), Vec::new());
         }
+        let mut history = self.bulk.clone();
+        let each = hexes.par_iter().zip(history.par_chunks_mut(nh)).enumerate();
+        let forces = each.map(|(e, (h, new))| element(e, h, &self.bulk[e * nh..(e + 1) * nh], new)).collect();
         (forces, history)
     }
 

@@ -125,24 +125,10 @@ fn differentiate(
             }
         }
         at += k;
-        all.force.extend(d.force);
-        all.grip.extend(d.grip);
-        all.actuator.extend(d.actuator);
-        append(&mut all.reactions, d.reactions);
-        append(&mut all.extra, m.observer.derive(fresh, &du, k));
+        let extra = m.observer.derive(fresh, &du, k);
+        all.append(StepDerivatives { extra, ..d });
     }
     Ok((all, gradient))
-}
-
-/// More columns of every output.
-fn append(all: &mut Vec<Vec<f64>>, more: Vec<Vec<f64>>) {
-    if all.is_empty() {
-        *all = more;
-        return;
-    }
-    for (a, e) in all.iter_mut().zip(more) {
-        a.extend(e);
-    }
 }
 
 /// Work of a force over a step, ∫F du, with both as cubics of the arc (Hermite): values, and rates of the

@@ -2,7 +2,7 @@
 use crate::common;
 
 use common::*;
-use fem::sensitivity::{Columns, columns_for};
+use fem::sensitivity::Group;
 use fem::{NoObserver, Run, SteppingOptions, System, Target, run_steps};
 use std::sync::Arc;
 
@@ -167,8 +167,8 @@ fn a_walk_that_leads_nowhere_is_taken_back() {
     let (problem, theta) = snap_back();
     let problem = Arc::new(problem);
     let run = |targets: &[Target], options: SteppingOptions| -> Run {
-        let mut chunks = columns_for(&problem, &theta, &[0, 9, 10]);
-        let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c.columns()).collect();
+        let mut group = Group::new(&problem, &theta, &[0, 9, 10]);
+        let mut columns = group.columns();
         let mut system = System::new(&problem).unwrap();
         run_steps(
             &problem,
@@ -220,8 +220,8 @@ fn peers_torch_fem_derivatives_roughly() {
     let theirs = [1.58730, 0.317810, 1.71680e-3, -2.96651, 0.0786709];
     let problem = Arc::new(problem(&peer_strip([8, 20, 2], false, true), Ends::Clamped, 1));
     let theta = Tissue::peers(1.0, 0.1).theta(1);
-    let mut chunks = columns_for(&problem, &theta, &[0, 1, 2, 4, 5]);
-    let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c.columns()).collect();
+    let mut group = Group::new(&problem, &theta, &[0, 1, 2, 4, 5]);
+    let mut columns = group.columns();
     let mut system = System::new(&problem).unwrap();
     let targets = plan(ramp(0.0, 2.0, 10));
     let run = run_steps(

@@ -9,7 +9,7 @@ use crate::common;
 use crate::laws;
 
 use common::*;
-use fem::sensitivity::{Columns, columns_for};
+use fem::sensitivity::Group;
 use fem::{
     Link, MountField, NewtonOptions, NoObserver, Prescribed, Problem, Run, ShapeField, SteppingOptions,
     System, Target, run_steps,
@@ -38,8 +38,8 @@ type Build<'a> = &'a dyn Fn(&[f64]) -> Problem;
 
 fn differentiate(build: Build, theta: &[f64], seeds: &[usize], targets: &[Target]) -> Run {
     let problem = Arc::new(build(theta));
-    let mut chunks = columns_for(&problem, theta, seeds);
-    let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c.columns()).collect();
+    let mut group = Group::new(&problem, theta, seeds);
+    let mut columns = group.columns();
     let mut system = System::new(&problem).unwrap();
     let run = run_steps(
         &problem,
@@ -320,8 +320,8 @@ fn sensitivities_along_a_followed_path() {
     let problem = Arc::new(problem(&peer_strip([8, 10, 2], true, true), Ends::Clamped, 1));
     let seeds = [0, 1, 4, GC, GC + 1];
     let run = |targets: &[Target], follow_path: bool| {
-        let mut chunks = columns_for(&problem, &t, &seeds);
-        let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c.columns()).collect();
+        let mut group = Group::new(&problem, &t, &seeds);
+        let mut columns = group.columns();
         let mut system = System::new(&problem).unwrap();
         let o = SteppingOptions { follow_path, ..options() };
         run_steps(&problem, &t, &mut system, None, targets, &mut columns, &NoObserver, o, None, &|| false)

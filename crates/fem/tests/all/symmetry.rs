@@ -3,7 +3,7 @@ use crate::common;
 use crate::laws;
 
 use common::*;
-use fem::sensitivity::{Columns, columns_for};
+use fem::sensitivity::Group;
 use fem::{Link, NoObserver, Problem, Run, SteppingOptions, System, Warm, run_steps};
 use mesh::Strip;
 use std::sync::Arc;
@@ -43,9 +43,8 @@ fn same_bits_on_one_and_two_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let seeds: Vec<usize> = (0..theta.len()).collect();
-            let mut chunks = columns_for(&problem, &theta, &seeds);
-            let mut columns: Vec<&mut (dyn Columns + 'static)> =
-                chunks.iter_mut().map(|c| c.columns()).collect();
+            let mut group = Group::new(&problem, &theta, &seeds);
+            let mut columns = group.columns();
             let mut system = System::new(&problem).unwrap();
             run_steps(
                 &problem,
@@ -103,8 +102,8 @@ fn guesses_change_the_cost_but_not_the_answer() {
     let mut theta = Tissue::peers(1.0, 0.1).theta(1);
     let targets = plan(ramp(0.0, 3.0, 10));
     let seeds: Vec<usize> = (0..theta.len()).collect();
-    let mut chunks = columns_for(&half, &theta, &seeds);
-    let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c.columns()).collect();
+    let mut group = Group::new(&half, &theta, &seeds);
+    let mut columns = group.columns();
     let mut system = System::new(&half).unwrap();
     let keep = SteppingOptions { keep_states: true, keep_gradients: true, ..tight() };
     let known =

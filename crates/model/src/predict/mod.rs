@@ -9,8 +9,7 @@ pub use series::Series;
 use crate::build::{BuildError, Model, TestModel};
 use crate::camera::Camera;
 use crate::plan::{Corner, Plan, Stepping, corners_of_protocol, corners_of_record, plan};
-use constitutive::WIDTH;
-use fem::sensitivity::{Chunk, Columns};
+use fem::sensitivity::Group;
 use fem::{History, Run, State, SteppingOptions, Target, Warm, run_steps};
 use input::TestKind;
 use rayon::prelude::*;
@@ -142,10 +141,10 @@ impl Model {
 
     fn run_chain(&self, chain: &[usize], request: &Request) -> Result<Vec<TestRun>, BuildError> {
         let mut done = Vec::new();
-        let mut before: Option<(State, Vec<Chunk<WIDTH>>)> = None;
+        let mut before: Option<(State, Group)> = None;
         for &t in chain {
             let plan = self.plan(t, &request.options);
-            let (run, state, chunks) = self.run_test(t, request, &plan, before.take())?;
+            let (run, state, group) = self.run_test(t, request, &plan, before.take())?;
             done.push(TestRun {
                 test: t,
                 run,
@@ -153,7 +152,7 @@ impl Model {
                 columns: request.seeds.to_vec(),
                 history: state.history.bulk.clone(),
             });
-            before = Some((state, chunks));
+            before = Some((state, group));
         }
         Ok(done)
     }
@@ -177,17 +176,15 @@ impl Model {
         t: usize,
         request: &Request,
         plan: &Plan,
-        before: Option<(State, Vec<Chunk<WIDTH>>)>,
-    ) -> Result<(Run, State, Vec<Chunk<WIDTH>>), BuildError> {
+        before: Option<(State, Group)>,
+    ) -> Result<(Run, State, Group), BuildError> {
         let test = &self.tests[t];
         let problem = Arc::new(test.problem(request.theta));
         let mut system = test.take_system(&problem)?;
-        let mut chunks = fem::sensitivity::columns_for(&problem, request.theta, request.seeds);
+        let mut group = Group::new(&problem, request.theta, request.seeds);
         let initial = self.initial_state(&problem, test, before.as_ref().map(|b| &b.0));
         if let Some((_, old)) = &before {
-            for (c, o) in chunks.iter_mut().zip(old) {
-                c.carry_bulk_from(o);
-            }
+            group.carry_bulk_from(old);
         }
         let mut targets = plan.targets.clone();
         if before.is_some()
@@ -196,7 +193,7 @@ impl Model {
             *first = Target { dt: test.test.rest_s.unwrap_or(LONG_REST), rest: true, ..*first };
         }
         let camera = self.camera_at(t, request.theta);
-        let mut columns: Vec<&mut (dyn Columns + 'static)> = chunks.iter_mut().map(|c| c.columns()).collect();
+        let mut columns = group.columns();
         let run = run_steps(
             &problem,
             request.theta,
@@ -214,7 +211,7 @@ impl Model {
             .last
             .clone()
             .unwrap_or_else(|| State { history: History::virgin(&problem), ..State::virgin(&problem) });
-        Ok((run, state, chunks))
+        Ok((run, state, group))
     }
 
     /// The camera with the thresholds of θ.

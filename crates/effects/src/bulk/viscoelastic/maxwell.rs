@@ -3,9 +3,11 @@
 use super::super::isochoric;
 use super::super::symmetric::{Frame, Sym, dot, pushed};
 use super::super::tangent::{add, add_constant, add_deviatoric, inverse_transposed};
+use super::driving::unimodular;
 use super::times::Times;
 use super::weights::with_weights;
-use crate::decorator::{Call, Decoration, Tangent};
+use crate::decorator::{Call, Decoration, Memory, Tangent};
+use crate::lists::constants;
 use constitutive::{
     Energy, FibreFamily, Law, Over, Part, PointLaw, Response, Scalar, part_response, part_tangent,
 };
@@ -64,26 +66,32 @@ impl Maxwell {
     }
 }
 
-/// J^(−1/3) F.
-fn unimodular<S: Scalar>(f: &[S; 9]) -> [S; 9] {
-    let per_root = constitutive::tensor::det(f).cbrt().recip();
-    f.map(|x| x * per_root)
-}
-
 impl Maxwell {
-    /// The answer with the kinematics over `X`: plain where the gradient is constant, and only parameters and history carry
-    /// derivatives.
-    ///
     /// Exact for a driving stress linear in time within the step, hence stable for any step: an
     /// instantaneous change (dt = 0) loads the branch elastically, a long rest empties it.
     ///
     /// The driving stress derives from an energy of the unimodular C̄; with Dev outside the
     /// incremental stress has a potential and the tangent is symmetric.
     #[inline(always)]
-    fn answer<X: Scalar, S: Scalar + Over<X>>(
+    fn answer<S: Scalar>(&self, call: &Call<'_, S, 9>, inner_new: &mut [S], new: &mut [S]) -> Response<S, 9>
+    where
+        dyn PointLaw<9>: Law<S, 9>,
+    {
+        let mut r = call.inner(inner_new);
+        let frame = Frame::new(call.gradient);
+        let followed = self.followed(call, &frame, &r.force);
+        let s = self.driving_stress(call.gradient, call.base, &frame, &followed);
+        let sum = self.relax(call, call.own, &frame, &s, new);
+        add_pushed(&mut r.force, call.gradient, &frame, &sum);
+        r
+    }
+
+    /// The same at a constant gradient `f`, where only parameters and history carry derivatives: kinematics in plain
+    /// numbers, and all that none of them moves.
+    fn at_rest<S: Scalar>(
         &self,
         call: &Call<'_, S, 9>,
-        f: &[X; 9],
+        f: &[f64; 9],
         inner_new: &mut [S],
         new: &mut [S],
     ) -> Response<S, 9>
@@ -93,119 +101,67 @@ impl Maxwell {
         let mut r = call.inner(inner_new);
         let frame = Frame::new(f);
         let followed = self.followed(call, &frame, &r.force);
-        let sum = self.relax(call, &frame, &followed, new);
-        for (to, added) in r.force.iter_mut().zip(pushed(f, &frame.deviator(&sum))) {
-            *to += added.times(frame.m);
-        }
+        let s = match (constants(&followed), constants(call.base)) {
+            (Some(inner), Some(base)) => {
+                let inner: [f64; 9] = std::array::from_fn(|i| inner[i]);
+                self.driving_stress::<f64, f64>(f, &base[..call.base.len()], &frame, &inner).map(S::from)
+            }
+            _ => self.driving_stress(call.gradient, call.base, &frame, &followed),
+        };
+        let sum = match constants(call.own) {
+            Some(own) => self.relax(call, &own[..call.own.len()], &frame, &s, new),
+            None => self.relax(call, call.own, &frame, &s, new),
+        };
+        add_pushed(&mut r.force, f, &frame, &sum);
         r
     }
 
-    /// First Piola stress whose deviator the branches follow: the inner law's own, `inner`; or, of a law that sees the
-    /// volume, J^(−1/3) times what it gives at J = 1, so that the incremental stress keeps a potential, Ψ(C̄).
+    /// Goes a step: the new history, and ΣH after it, with `s` the driving stress there. The work on the branches, and the
+    /// shape that it asks for, are for the ledger alone, which has no derivatives: jets leave them.
     #[inline(always)]
-    fn followed<X: Scalar, S: Scalar + Over<X>>(
+    fn relax<X: Scalar, P: Scalar, S: Scalar + Over<P>>(
         &self,
         call: &Call<'_, S, 9>,
+        own: &[P],
         frame: &Frame<X>,
-        inner: &[S; 9],
-    ) -> [S; 9]
-    where
-        dyn PointLaw<9>: Law<S, 9>,
-    {
-        if !self.volume_matters {
-            return *inner;
-        }
-        let at_one = call.inner_at(&unimodular(call.gradient), call.base, &mut call.inner_old.to_vec());
-        let root = frame.m.sqrt();
-        at_one.force.map(|p| p.times(root))
-    }
-
-    /// The same with its tangent.
-    fn followed_tangent(
-        &self,
-        call: &Call<'_, f64, 9>,
-        frame: &Frame<f64>,
-        g: &[f64; 9],
-        inner: &Tangent<9>,
-    ) -> Option<Tangent<9>> {
-        if !self.volume_matters {
-            return Some(*inner);
-        }
-        let f = unimodular(call.gradient);
-        let (p, a) = call.inner_tangent(&f, call.base, &mut call.inner_old.to_vec())?;
-        let root = frame.m.sqrt();
-        let mut out = (p.map(|x| root * x), [[0.0; 9]; 9]);
-        for (r, row) in out.1.iter_mut().enumerate() {
-            // F̄ varies by J^(−1/3) (dF − ⅓ F (F⁻ᵀ : dF)), the factor by −⅓ J^(−1/3) (F⁻ᵀ : dF).
-            let along: f64 = a[r].iter().zip(call.gradient).map(|(a, f)| a * f).sum();
-            let third = (frame.m * along + out.0[r]) / 3.0;
-            for s in 0..9 {
-                row[s] = frame.m * a[r][s] - third * g[s];
-            }
-        }
-        Some(out)
-    }
-
-    /// The stress that the branches follow: Dev of what the inner law would give without it (the
-    /// fictitious stress; what comes of the volume alone has no deviator), or the fibres' fictitious stress as
-    /// it is.
-    #[inline(always)]
-    fn driving_stress<X: Scalar, S: Scalar + Over<X>>(
-        &self,
-        call: &Call<'_, S, 9>,
-        frame: &Frame<X>,
-        inner: &[S; 9],
-    ) -> Sym<S>
-    where
-        dyn PointLaw<9>: Law<S, 9>,
-    {
-        if let Some(families) = &self.fibres {
-            let of = |f: &FibreFamily| {
-                let s = part_response(&f.fictitious, call.gradient, call.base).force;
-                [s[0], s[4], s[8], s[1], s[5], s[2]]
-            };
-            let sum = |a: Sym<S>, b: Sym<S>| std::array::from_fn(|i| a[i] + b[i]);
-            return families.iter().map(of).reduce(sum).unwrap_or([S::zero(); 6]);
-        }
-        let per_m = frame.m.recip();
-        frame.deviator(&frame.second_piola(inner)).map(|x| x.times(per_m))
-    }
-
-    /// Goes a step: the new history, and ΣH after it. `inner` is the first Piola stress that they follow. The work on the
-    /// branches is for the ledger alone, which has no derivatives: jets leave it.
-    #[inline(always)]
-    fn relax<X: Scalar, S: Scalar + Over<X>>(
-        &self,
-        call: &Call<'_, S, 9>,
-        frame: &Frame<X>,
-        inner: &[S; 9],
+        s: &Sym<S>,
         new: &mut [S],
-    ) -> Sym<S>
-    where
-        dyn PointLaw<9>: Law<S, 9>,
-    {
-        let s = self.driving_stress(call, frame, inner);
-        let c: Sym<S> = frame.c.map(|x| S::lift(x * frame.m));
+    ) -> Sym<S> {
+        let c: Sym<S> = frame.c.map(|x| S::from((x * frame.m).value()));
         let (s_old, c_old) = (read(call.old, self.stress_block()), read(call.old, self.shape_block()));
         let change: Sym<S> = std::array::from_fn(|i| s[i] - s_old[i]);
         let (mut sum, mut work) = ([S::zero(); 6], S::zero());
-        with_weights(self.times, call.own, call.ctx.dt, |weights| {
+        with_weights(self.times, own, call.ctx.dt, |weights| {
             for (b, w) in weights.iter().enumerate() {
                 let h: Sym<S> = read(call.old, b);
                 for i in 0..6 {
-                    new[6 * b + i] = h[i] * w.left + change[i] * w.taken;
-                    sum[i] += new[6 * b + i];
+                    let after = h[i].times(w.left) + change[i].times(w.taken);
+                    new[6 * b + i] = after;
+                    sum[i] += after;
                 }
                 if S::PLAIN {
-                    let mean = |i: usize| (h[i] * w.kept + change[i] * w.rise) * (c[i] - c_old[i]);
+                    let mean = |i: usize| (h[i].times(w.kept) + change[i].times(w.rise)) * (c[i] - c_old[i]);
                     work += (mean(0) + mean(1) + mean(2)) * 0.5 + mean(3) + mean(4) + mean(5);
                 }
             }
         });
-        new[6 * self.stress_block()..][..6].copy_from_slice(&s);
+        new[6 * self.stress_block()..][..6].copy_from_slice(s);
         new[6 * self.shape_block()..][..6].copy_from_slice(&c);
         new[self.work()] = call.old[self.work()] + work;
         sum
+    }
+}
+
+/// force += J^(−2/3) F Dev ΣH.
+#[inline(always)]
+fn add_pushed<X: Scalar, S: Scalar + Over<X>>(
+    force: &mut [S; 9],
+    f: &[X; 9],
+    frame: &Frame<X>,
+    sum: &Sym<S>,
+) {
+    for (to, added) in force.iter_mut().zip(pushed(f, &frame.deviator(sum))) {
+        *to += added.times(frame.m);
     }
 }
 
@@ -240,9 +196,9 @@ impl Decoration<9> for Maxwell {
         dyn PointLaw<9>: Law<S, 9>,
     {
         if !S::PLAIN && call.gradient.iter().all(S::is_constant) {
-            return self.answer(call, &call.gradient.map(S::value), inner_new, new);
+            return self.at_rest(call, &call.gradient.map(S::value), inner_new, new);
         }
-        self.answer(call, call.gradient, inner_new, new)
+        self.answer(call, inner_new, new)
     }
 
     /// ΣH is linear in the driving stress: what the step starts from stays constant, and the share
@@ -256,7 +212,8 @@ impl Decoration<9> for Maxwell {
         let inner = call.inner_tangent(call.gradient, call.base, inner_new)?;
         let (frame, g) = (Frame::new(call.gradient), inverse_transposed(call.gradient));
         let followed = self.followed_tangent(call, &frame, &g, &inner)?;
-        self.relax(call, &frame, &followed.0, new);
+        let s = self.driving_stress(call.gradient, call.base, &frame, &followed.0);
+        self.relax(call, call.own, &frame, &s, new);
         let s_old = read(call.old, self.stress_block());
         let (mut constant, mut share) = ([0.0; 6], 0.0);
         with_weights(self.times, call.own, call.ctx.dt, |weights| {
@@ -278,6 +235,30 @@ impl Decoration<9> for Maxwell {
             None => add_deviatoric(&mut sum, share, call.gradient, &g, &followed),
         }
         Some(sum)
+    }
+
+    /// Each branch takes its share of what the driving stress varies by, which follows the inner law's own tangent.
+    fn history_tangent(&self, call: &Call<'_, f64, 9>, inner: Memory<'_, 9>, own: Memory<'_, 9>) -> bool {
+        let Some(tangent) = call.inner_tangent(call.gradient, call.base, inner.new) else { return false };
+        let (frame, g) = (Frame::new(call.gradient), inverse_transposed(call.gradient));
+        let Some(followed) = self.followed_tangent(call, &frame, &g, &tangent) else { return false };
+        if !call.inner_history_tangent(inner) {
+            return false;
+        }
+        let s = self.driving_along(call, &followed);
+        self.relax(call, call.own, &frame, &s.map(|x| x.re), own.new);
+        own.rows.fill([0.0; 9]);
+        with_weights(self.times, call.own, call.ctx.dt, |weights| {
+            for (b, w) in weights.iter().enumerate() {
+                for (row, s) in own.rows[6 * b..].iter_mut().zip(&s) {
+                    *row = s.eps.map(|x| w.taken * x);
+                }
+            }
+        });
+        for (row, s) in own.rows[6 * self.stress_block()..].iter_mut().zip(&s) {
+            *row = s.eps;
+        }
+        true
     }
 
     /// Lost: the work done on the branches less what their springs hold.

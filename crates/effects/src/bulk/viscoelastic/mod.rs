@@ -1,5 +1,6 @@
 //! Stress that relaxes: Maxwell branches or a continuous spectrum, on the isochoric stress or on the fibres alone.
 
+mod driving;
 mod maxwell;
 mod times;
 mod weights;
