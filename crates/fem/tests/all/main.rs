@@ -18,4 +18,5 @@ mod manufactured;
 mod path_following;
 mod peers;
 mod sensitivities;
+mod shared_history;
 mod symmetry;
