@@ -202,7 +202,7 @@ tangent_by_jets!(tangent_by_jets_3, 3);
 tangent_by_jets!(tangent_by_jets_1, 1);
 
 /// New history of a law and its derivative by the gradient, a row per entry: analytic where the law has it, by
-/// forward-mode jets elsewhere.
+/// forward-mode jets elsewhere. What a law keeps for the ledger alone, and leaves over jets, is left then, too.
 pub fn history_tangent_9(
     law: &dyn PointLaw<9>,
     ctx: &Context,

@@ -1,7 +1,6 @@
 //! Crimped fibres that carry load only beyond a strain of their own.
 
 use crate::decorator::{Call, Decoration, Tangent, decorate, with_changed};
-
 use crate::numeric::plus;
 use constitutive::{Capability, Energy, Law, PointLaw, Response, Scalar};
 use model::{Action, Card, Effect, Options, Piece, Scales, Screening, Sided, Site};

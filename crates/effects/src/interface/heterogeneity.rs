@@ -1,7 +1,6 @@
 //! Strength and fracture energy that vary along the tear beyond the given areas.
 
 use crate::decorator::{Call, Decoration, Tangent, decorate, with_changed};
-
 use crate::settings::{choice, word};
 use cohesive::{GC, SIGMA_C};
 use constitutive::{Context, Energy, Law, PointLaw, Response, Scalar};

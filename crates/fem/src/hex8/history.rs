@@ -88,6 +88,7 @@ impl HistoryTangent {
         self.rows.resize(old.len(), [0.0; 9]);
         self.along.resize(old.len(), 0.0);
         self.dilate(geo, u);
+        // F̄ to the bit as the partial sweep has it: where a history is the larger of two values, both must take the same.
         for (q, f_bar) in mean_dilatation_gradients(geo, u).iter().enumerate() {
             let h = q * nh..(q + 1) * nh;
             let rows = &mut self.rows[h.clone()];
