@@ -236,6 +236,22 @@ class Discovery(Diagnosis):
         self.fit = fit
 
     @property
+    def averaged(self) -> pd.DataFrame | None:
+        """Values of tissue and tear averaged over what may be missing, each set of effects with its probability, by path, or
+        by name for means along the tear (``gc``, ``sigma_c``): value (the median), unit, low_95, high_95. ``None`` where
+        the answer has none."""
+        given = self.answer.get("averaged")
+        if given is None:
+            return None
+        rows = [
+            {"path": path, "value": v["value"], "unit": v["unit"], "low_95": low, "high_95": high}
+            for values in (given["path_means"], given["parameters"])
+            for path, v in values.items()
+            for low, high in [v["interval_95"]]
+        ]
+        return pd.DataFrame(rows, columns=["path", "value", "unit", "low_95", "high_95"]).set_index("path")
+
+    @property
     def ladder(self) -> pd.DataFrame:
         """Accepted models, base first: effects, parameters, rms_N, reduced_chi2, bic."""
         return pd.DataFrame(self.answer["ladder"]).drop(columns="values")

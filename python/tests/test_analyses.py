@@ -184,3 +184,15 @@ def test_probabilities_of_a_search_are_a_frame():
     assert list(found.posterior["effects"]) == [("drift",), (), ("drift", "lag")]
     assert list(found.posterior["probability"]) == [0.9, 0.02, 0.02]
     assert fct.Discovery(answer, None).posterior is None
+
+
+def test_values_averaged_over_what_may_be_missing_are_a_table() -> None:
+    answer = {"specimen": "strip", "verdict": "explained", "found": ["drift"], "screen": [], "ladder": []}
+    assert fct.Discovery(answer, None).averaged is None
+    gc = {"value": 0.2, "unit": "N/mm", "interval_95": [0.19, 0.22]}
+    mu = {"value": 0.01, "unit": "MPa", "interval_95": [0.008, 0.013]}
+    averaged = {"path_means": {"gc": gc}, "parameters": {"bulk.mu": mu}, "share": 0.99}
+    table = fct.Discovery(answer | {"averaged": averaged}, None).averaged
+    assert table is not None
+    assert list(table.index) == ["gc", "bulk.mu"]
+    assert list(table.loc["gc"]) == [0.2, "N/mm", 0.19, 0.22]

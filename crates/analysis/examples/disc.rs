@@ -53,7 +53,7 @@ fn main() {
 }
 
 fn show(path: &str, weighed: &Weighed, ladder: &FeLadder) {
-    let Weighed { discovery: d, probable: p } = weighed;
+    let Weighed { discovery: d, probable: p, averaged } = weighed;
     println!("== {path}: {:?} {:?} groups {:?}", d.verdict, d.found, d.groups);
     println!("   {} ({:?}, not fitted {:.3})", p.sentence(), p.left.explained_to, p.posterior.not_fitted);
     for (asked, brief) in &p.posterior.sensitivity {
@@ -62,6 +62,9 @@ fn show(path: &str, weighed: &Weighed, ladder: &FeLadder) {
     }
     for s in p.posterior.sets.iter().take(8) {
         println!("   {:.3} {:.3} {:?}", s.probability, s.with_something_else, s.effects);
+    }
+    for (path, v) in averaged.iter().flat_map(|a| a.path_means.iter().chain(&a.parameters)) {
+        println!("   {path} {:.4} ({:.4} to {:.4}) {}", v.value, v.interval_95[0], v.interval_95[1], v.unit);
     }
     for (set, f) in &ladder.fitted_models {
         let settled = if f.settled { "on the file's mesh" } else { "" };

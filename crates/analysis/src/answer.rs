@@ -1,5 +1,6 @@
 //! The answers of compare, diagnose and discover, in the contract's words.
 
+use crate::averaged::Averaged;
 use crate::compare::{self, Where};
 use crate::cost::PhaseCost;
 use crate::identify::AnalysisError;
@@ -109,6 +110,9 @@ pub struct DiscoverAnswer {
     /// What the leading model leaves, and to what it explains the records.
     #[serde(flatten)]
     pub left: Left,
+    /// The tissue's values, averaged over what may be missing (discover only).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub averaged: Option<Averaged>,
     /// Where the base model fails.
     #[serde(rename = "where")]
     pub place: Vec<Where>,
@@ -234,7 +238,7 @@ fn answer(
     start: Instant,
     policy: &Policy,
 ) -> DiscoverAnswer {
-    let Weighed { discovery: d, probable } = weighed;
+    let Weighed { discovery: d, probable, averaged } = weighed;
     DiscoverAnswer {
         schema: 1,
         specimen: case.name.clone(),
@@ -247,6 +251,7 @@ fn answer(
         words: Vec::new(),
         posterior: probable.posterior,
         left: probable.left,
+        averaged,
         place: compare::places(&compare::residuals_of(ladder)),
         one_strength: None,
         next_test: None,

@@ -1,6 +1,7 @@
 //! The loop on a specimen: identify, compare, diagnose, add, discover.
 
 mod answer;
+mod averaged;
 mod columns;
 mod compare;
 mod condense;
@@ -28,6 +29,7 @@ mod torn_start;
 mod weigh;
 
 pub use answer::{DiscoverAnswer, LadderRow, ScreenRow, diagnose, discover};
+pub use averaged::{Averaged, AveragedValue};
 pub use columns::{Base, Screened, scales};
 pub use compare::{
     AlongTear, DependsOn, Residuals, Where, along_the_tear, depends_on, located, place_in_words, places,

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::sync::PoisonError;
 
 /// Sets that are listed hold at least this share of the posterior.
-const LISTED: f64 = 1e-3;
+pub(crate) const LISTED: f64 = 1e-3;
 
 /// Probabilities under other scales of what is believed; from which probability on a cause from outside is said to act.
 pub use evidence::{Brief, LIKELY};

@@ -57,6 +57,20 @@ pub fn extend(
 }
 
 impl Evidence {
+    /// The evidence on a handful of sizes of the rest, whatever causes it, in place of the integral: what hardly weighs beside others
+    /// needs no more.
+    ///
+    /// # Errors
+    /// As [`Evidence::of`].
+    pub fn few(
+        record: &Record,
+        linear: &Linear,
+        rest: &RestPrior,
+        kernel: Kernel,
+    ) -> Result<Self, EvidenceError> {
+        Self::on(record, linear, rest, kernel, &[0.3, 1.0, rest.else_median])
+    }
+
     /// ln Z on a handful of sizes of the rest, whatever causes it: enough to tell shapes of one effect apart, and which of some models
     /// lead. The largest size is one that a cause outside the catalogue has: where all models leave as much, smaller ones would
     /// count what a further column takes from it as if it were noise.
@@ -66,7 +80,7 @@ impl Evidence {
         (rest, prior): (&RestPrior, &SetPrior),
         kernel: Kernel,
     ) -> Result<f64, EvidenceError> {
-        let few = Self::on(record, linear, rest, kernel, &[0.3, 1.0, rest.else_median])?;
+        let few = Self::few(record, linear, rest, kernel)?;
         let [own, other] = few.under(&View { rest, amplitude: 1.0 });
         Ok(ln_sum_exp([own + (1.0 - prior.beyond).ln(), other + prior.unlike().ln()]))
     }

@@ -1,9 +1,8 @@
 //! Intervals of parameters that allow for what the model misses: a mixture over the sizes of the rest.
 
+use crate::mixture::{Normal, quantile};
 use crate::model::{Evidence, View};
 use crate::rest::RestPrior;
-use crate::special::phi;
-use crate::truncated::Belief;
 
 /// A parameter's 95 % intervals in the coordinate of its transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,21 +25,23 @@ impl Evidence {
                 let solved = self.solved(k);
                 let covariance = solved.covariance();
                 Part {
-                    weight: weights[k],
                     noise_alone: self.nodes[k].support == 0,
                     normal: (0..self.parameters.len())
-                        .map(|i| (self.parameters[i].at + solved.step[i], covariance[(i, i)].max(0.0).sqrt()))
+                        .map(|i| Normal {
+                            weight: weights[k],
+                            mean: self.parameters[i].at + solved.step[i],
+                            sd: covariance[(i, i)].max(0.0).sqrt(),
+                        })
                         .collect(),
                 }
             })
             .collect();
         let one = |i: usize| {
-            let all: Vec<(f64, f64, f64)> =
-                parts.iter().map(|p| (p.weight, p.normal[i].0, p.normal[i].1)).collect();
-            let right: Vec<(f64, f64, f64)> =
-                parts.iter().filter(|p| p.noise_alone).map(|p| (1.0, p.normal[i].0, p.normal[i].1)).collect();
+            let all: Vec<Normal> = parts.iter().map(|p| p.normal[i]).collect();
+            let alone = parts.iter().filter(|p| p.noise_alone);
+            let right: Vec<Normal> = alone.map(|p| Normal { weight: 1.0, ..p.normal[i] }).collect();
             let belief = &self.parameters[i].belief;
-            let q = |of: &[(f64, f64, f64)], p: f64| quantile(of, belief, p);
+            let q = |of: &[Normal], p: f64| quantile(of, [belief.lower, belief.upper], p);
             Interval {
                 median: q(&all, 0.5),
                 with_rest: [q(&all, 0.025), q(&all, 0.975)],
@@ -52,42 +53,6 @@ impl Evidence {
 }
 
 struct Part {
-    weight: f64,
     noise_alone: bool,
-    normal: Vec<(f64, f64)>,
-}
-
-/// Quantile of a mixture (weight, mean, sd) of normal distributions, each cut off at the belief's bounds; by bisection.
-fn quantile(parts: &[(f64, f64, f64)], belief: &Belief, p: f64) -> f64 {
-    let mass = |m: f64, s: f64| (phi((belief.lower - m) / s), phi((belief.upper - m) / s));
-    let below = |x: f64| {
-        let (mut sum, mut total) = (0.0, 0.0);
-        for &(w, m, s) in parts {
-            let (a, b) = mass(m, s);
-            total += w;
-            // Where all of it lies beyond a bound, it stands on that bound.
-            sum += w * if b - a > 1e-12 {
-                ((phi((x - m) / s) - a) / (b - a)).clamp(0.0, 1.0)
-            } else {
-                f64::from(u8::from(x >= m.clamp(belief.lower, belief.upper)))
-            };
-        }
-        sum / total
-    };
-    let low = parts
-        .iter()
-        .map(|(_, m, s)| m - 9.0 * s)
-        .fold(f64::INFINITY, f64::min)
-        .clamp(belief.lower, belief.upper);
-    let high = parts
-        .iter()
-        .map(|(_, m, s)| m + 9.0 * s)
-        .fold(f64::NEG_INFINITY, f64::max)
-        .clamp(belief.lower, belief.upper);
-    let (mut low, mut high) = (low, high);
-    for _ in 0..80 {
-        let middle = 0.5 * (low + high);
-        if below(middle) < p { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
+    normal: Vec<Normal>,
 }

@@ -5,6 +5,7 @@
 //! (terminal, HTML, figures) is made from those answers, so that a stored run shows the same.
 
 pub mod answer;
+mod averaged;
 mod curves;
 mod error;
 pub mod export;

@@ -32,6 +32,8 @@ pub struct Fit {
 /// How finely records are computed, and how coarsely they are to be fitted.
 #[derive(Clone, Copy, Debug)]
 pub struct Fineness {
+    /// What the strips are, in the title of the page.
+    pub strips: &'static str,
     /// The fit.
     pub fit: Fit,
     /// Element size away from the path, mm.
@@ -46,14 +48,32 @@ pub struct Fineness {
 
 impl Fineness {
     /// For the study.
-    pub const STUDY: Self =
-        Self { fit: Fit { bulk: 0.9, path: 0.25, areas: 4 }, bulk: 0.55, path: 0.14, layers: 2, steps: 74 };
+    pub const STUDY: Self = Self {
+        strips: "",
+        fit: Fit { bulk: 0.9, path: 0.25, areas: 4 },
+        bulk: 0.55,
+        path: 0.14,
+        layers: 2,
+        steps: 74,
+    };
     /// A study of many records: what a record shows is seen on small meshes, too, in a tenth of the time.
-    pub const SMALL: Self =
-        Self { fit: Fit { bulk: 1.4, path: 0.5, areas: 2 }, bulk: 0.9, path: 0.3, layers: 1, steps: 48 };
+    pub const SMALL: Self = Self {
+        strips: ": small strips",
+        fit: Fit { bulk: 1.4, path: 0.5, areas: 2 },
+        bulk: 0.9,
+        path: 0.3,
+        layers: 1,
+        steps: 48,
+    };
     /// For the tests: still another mesh than the fit's, but quick.
-    pub const QUICK: Self =
-        Self { fit: Fit { bulk: 1.4, path: 0.5, areas: 1 }, bulk: 1.0, path: 0.36, layers: 1, steps: 36 };
+    pub const QUICK: Self = Self {
+        strips: ": the quick ones",
+        fit: Fit { bulk: 1.4, path: 0.5, areas: 1 },
+        bulk: 1.0,
+        path: 0.36,
+        layers: 1,
+        steps: 36,
+    };
 }
 
 /// Runs on, whatever happens.

@@ -65,6 +65,9 @@ pub struct Stated {
     /// Mean Gc of the base model along the path with its 95 % interval, which allows for what that model misses, N/mm; `None`:
     /// these records do not fix it.
     pub base_gc: Option<[f64; 3]>,
+    /// The same averaged over what may be missing, each set with its share of the posterior.
+    #[serde(default)]
+    pub averaged_gc: Option<[f64; 3]>,
 }
 
 /// How a case ended.

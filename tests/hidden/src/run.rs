@@ -140,7 +140,12 @@ fn search(
     };
     let analysis::SearchOutcome { weighed: found, ladder, case, .. } =
         FeLadder::search(Arc::new(case), how).map_err(|e| e.to_string())?;
-    let stated = Stated { base_gc: base_gc(&case, &ladder, &late), ..stated(&found.probable) };
+    let averaged_gc = found.averaged.as_ref().and_then(|a| a.path_means.get("gc"));
+    let stated = Stated {
+        base_gc: base_gc(&case, &ladder, &late),
+        averaged_gc: averaged_gc.map(|g| [g.value, g.interval_95[0], g.interval_95[1]]),
+        ..stated(&found.probable)
+    };
     Ok(Outcome { stated: Some(stated), ..answer(truth.clone(), &ladder, &found.discovery, &policy) })
 }
 
@@ -151,6 +156,7 @@ fn stated(p: &Probable) -> Stated {
         something_else: p.posterior.something_else,
         rest: p.left.rest.all.share_of_peak,
         base_gc: None,
+        averaged_gc: None,
     }
 }
 

@@ -245,7 +245,7 @@ impl FeLadder<'_> {
     }
 
     /// The catalogue's columns at a fitted set.
-    pub(super) fn columns_at(&mut self, set: &[String]) -> Result<(), AnalysisError> {
+    pub(crate) fn columns_at(&mut self, set: &[String]) -> Result<(), AnalysisError> {
         let Some(f) = self.fitted_models.get(set) else { return Ok(()) };
         let fitted_model = self.fitted_model(set, f);
         let screen = self.screen(&fitted_model)?;

@@ -1,6 +1,7 @@
 //! A search's answer: what the probabilities decide, and the models that show the error fall.
 
 use super::{FeLadder, Fitted};
+use crate::averaged::{Averaged, averaged};
 use crate::identify::AnalysisError;
 use crate::probable::{Probable, explained_by};
 use diagnose::{Discovery, FittedModel, Hints, Policy, Verdict};
@@ -12,6 +13,8 @@ pub struct Weighed {
     pub discovery: Discovery,
     /// The probabilities behind it.
     pub probable: Probable,
+    /// The tissue's values, averaged over what may be missing; of a search alone.
+    pub averaged: Option<Averaged>,
 }
 
 impl FeLadder<'_> {
@@ -22,7 +25,9 @@ impl FeLadder<'_> {
     pub fn weighed(&mut self) -> Result<Weighed, AnalysisError> {
         let (probable, posterior) = self.weigh_catalogue()?;
         let (decision, steps) = self.decided(&posterior, probable.left.explained_to)?;
-        Ok(self.answered(decision, steps, probable))
+        let averaged = averaged(self, &posterior)
+            .map_err(|e| AnalysisError::Case(format!("no average over what may be missing: {e}")))?;
+        Ok(Weighed { averaged: Some(averaged), ..self.answered(decision, steps, probable) })
     }
 
     /// What is named, and the models that show it, each fitted: `leading` is to what the leading set explains the records.
@@ -112,7 +117,7 @@ impl FeLadder<'_> {
             interrupted: self.interrupted(),
             ladder,
         };
-        Weighed { discovery, probable }
+        Weighed { discovery, probable, averaged: None }
     }
 
     /// The base model as `fct identify` of the same file answers.

@@ -158,6 +158,11 @@ impl<'a> Scale<'a> {
         Evidence::of(&self.record, linear, &self.beliefs.rest, Kernel::Plain)
     }
 
+    /// The same at a few sizes of the rest.
+    pub fn at_few_sizes(&self, linear: &Linear) -> Result<Evidence, EvidenceError> {
+        Evidence::few(&self.record, linear, &self.beliefs.rest, Kernel::Plain)
+    }
+
     fn quick(&self, linear: &Linear) -> Result<f64, EvidenceError> {
         let Beliefs { rest, sets, .. } = self.beliefs;
         Evidence::quick(&self.record, linear, (rest, sets), Kernel::Plain)
@@ -236,6 +241,23 @@ impl<'a> Scale<'a> {
         if let Some(gain) = of.gain(candidate) {
             return Ok(gain);
         }
+        let Some(extended) = self.extended(&of.linear, at, candidate)? else { return Ok(None) };
+        let (mut each, mut left) = (Vec::new(), f64::INFINITY);
+        for linear in &extended {
+            each.push(self.quick(linear)? - of.quick);
+            left = left.min(excess(&self.record, linear)?);
+        }
+        let shapes = each.len() as f64;
+        Ok((shapes > 0.0).then(|| Gain { ln_z: ln_sum_exp(each) - shapes.ln(), left }))
+    }
+
+    /// A model with a candidate of its screen, by that one's columns, with each of its shapes. `None` for a candidate without columns.
+    pub fn extended(
+        &self,
+        linear: &Linear,
+        at: AtFit,
+        candidate: &Candidate,
+    ) -> Result<Option<Vec<Linear>>, EvidenceError> {
         let Some(effect) = self.catalogue.get(&candidate.effect) else { return Ok(None) };
         let (specs, start) =
             (effect.parameters(&model::Options::new()), effect.start(&scales(at.model, at.theta)));
@@ -248,15 +270,11 @@ impl<'a> Scale<'a> {
         };
         let parameter =
             Parameter { path: free.path.clone(), at: free.forward(neutral), belief, amplitude: true };
-        let (mut each, mut left) = (Vec::new(), f64::INFINITY);
-        for shape in &candidate.shapes {
-            let columns = &shape.columns * free.transform.slope(neutral);
-            let linear = of.linear.with(std::slice::from_ref(&parameter), &columns)?;
-            each.push(self.quick(&linear)? - of.quick);
-            left = left.min(excess(&self.record, &linear)?);
-        }
-        let shapes = each.len() as f64;
-        Ok((shapes > 0.0).then(|| Gain { ln_z: ln_sum_exp(each) - shapes.ln(), left }))
+        let with = |columns: &nalgebra::DMatrix<f64>| {
+            linear.with(std::slice::from_ref(&parameter), &(columns * free.transform.slope(neutral)))
+        };
+        let all = candidate.shapes.iter().map(|s| with(&s.columns)).collect::<Result<Vec<_>, _>>()?;
+        Ok((!all.is_empty()).then_some(all))
     }
 }
 

@@ -5,6 +5,7 @@ use super::place::places;
 use super::view::{FittedModel, View};
 use super::{chart, escape, per_model};
 use crate::answer::{IdentifyAnswer, ParameterAnswer};
+use crate::averaged::averaged;
 use crate::peek::{groups, number, rows, text};
 use crate::terminal::{interval, known, mean_sd, pair, readable_unit, significant};
 use serde_json::Value;
@@ -14,11 +15,14 @@ pub fn section(v: &View) -> String {
     let (good, sentence) = cause(v);
     let class = if good { "good" } else { "bad" };
     let values = per_model(v, |r| values(&r.answer));
+    let average = v.diagnosis.as_ref().and_then(averaged);
+    let average =
+        average.map_or_else(String::new, |said| format!("<p class=\"muted\">{}</p>\n", escape(&said)));
     let curve = v.current().and_then(main_curve).map_or_else(String::new, |test| {
         chart("main", test, &format!("{test}: record and model with ± 2 sd of the noise"))
     });
     format!(
-        "<section id=\"first\"><p class=\"lead {class}\">{}</p>\n{}<div class=\"first\"><div>{values}</div>\n{curve}</div></section>\n",
+        "<section id=\"first\"><p class=\"lead {class}\">{}</p>\n{}<div class=\"first\"><div>{values}</div>\n{curve}</div>\n{average}</section>\n",
         escape(&sentence),
         left_out(v)
     )

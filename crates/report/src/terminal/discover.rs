@@ -1,6 +1,7 @@
 //! Tables of diagnose and discover, from their JSON answers.
 
 use super::{Style, significant, table, wrap};
+use crate::averaged::averaged;
 use crate::law_columns::said;
 use crate::peek::{groups, laws, list, number, probabilities, rows, text, yes};
 use analysis::{LawNames, percent};
@@ -47,7 +48,8 @@ pub fn discover(answer: &Value, style: Style) -> String {
     if text(answer, "provenance").to_lowercase().starts_with("synthetic") {
         let _ = writeln!(out, "{}", style.notice("The records are synthetic, not measured."));
     }
-    sentences(&mut out, &list(answer, "words"), style);
+    let words: Vec<String> = list(answer, "words").into_iter().chain(averaged(answer)).collect();
+    sentences(&mut out, &words, style);
     if !probabilities(answer).is_empty() {
         let _ = writeln!(
             out,

@@ -34,5 +34,5 @@ pub(super) fn by_names<'a>(o: &Outcome, effects: impl ExactSizeIterator<Item = &
         group.map_or(0.05 / all, |g| 0.95 / g.len() as f64)
     };
     let effects: BTreeMap<String, f64> = effects.map(|e| (e.clone(), probability(e))).collect();
-    Stated { effects, nothing: 0.0, something_else: 0.0, rest: 0.0, base_gc: None }
+    Stated { effects, nothing: 0.0, something_else: 0.0, rest: 0.0, base_gc: None, averaged_gc: None }
 }

@@ -1,7 +1,7 @@
 //! What is asked of the answers, with what was measured.
 
 use super::{Beside, median, scores, share, singles, visible_singles};
-use crate::outcome::{Grade, Outcome};
+use crate::outcome::{Grade, Outcome, Stated};
 use std::fmt::Write as _;
 
 struct Row {
@@ -125,11 +125,24 @@ fn outside(outcomes: &[Outcome]) -> Vec<Row> {
     ]
 }
 
+/// How often an interval of Gc holds the truth where something is hidden, and how wide it is.
+fn inside(
+    outcomes: &[Outcome],
+    what: &'static str,
+    (least, of): (f64, fn(&Stated) -> Option<[f64; 3]>),
+) -> Row {
+    let hidden = outcomes.iter().filter(|o| !o.truth.effects.is_empty());
+    let stated: Vec<(&Outcome, [f64; 3])> =
+        hidden.filter_map(|o| Some((o, of(o.stated.as_ref()?)?))).collect();
+    let held = stated.iter().filter(|(o, gc)| scores::inside(o, *gc)).count();
+    let widths: Vec<f64> = stated.iter().map(|(o, gc)| scores::half_width(o, *gc)).collect();
+    let wide = median(&widths).map_or(String::new(), |w| format!(", ± {:.1} % (median)", 100.0 * w));
+    let row = at_least(what, held, stated.len(), least);
+    Row { measured: row.measured + &wide, ..row }
+}
+
 /// Gc with and without what is missing.
 fn gc(outcomes: &[Outcome]) -> Vec<Row> {
-    let hidden = outcomes.iter().filter(|o| !o.truth.effects.is_empty());
-    let inside: Vec<bool> = hidden.filter_map(scores::gc_inside).collect();
-    let held = inside.iter().filter(|i| **i).count();
     let found: Vec<(f64, f64)> = visible_singles(outcomes)
         .into_iter()
         .filter(|o| matches!(o.grade(), Grade::Right | Grade::Extra))
@@ -139,7 +152,16 @@ fn gc(outcomes: &[Outcome]) -> Vec<Row> {
     let after: Vec<f64> = found.iter().map(|b| b.1.abs()).collect();
     let was = median(&before).map_or(String::new(), |m| format!("; {:.1} % before", 100.0 * m));
     vec![
-        at_least("true Gc inside the base model's 95 % interval, something hidden", held, inside.len(), 0.85),
+        inside(
+            outcomes,
+            "true Gc inside the base model's 95 % interval, something hidden",
+            (0.85, |s| s.base_gc),
+        ),
+        inside(
+            outcomes,
+            "true Gc inside the interval averaged over what may be missing, something hidden",
+            (0.85, |s| s.averaged_gc),
+        ),
         median_at_most("error of Gc after adding the effect", &after, 0.03, &was),
     ]
 }

@@ -39,7 +39,7 @@ pub struct Study {
 
 /// The whole page.
 pub fn page(outcomes: &[Outcome], study: &Study, beside: Option<&Beside>) -> String {
-    let mut text = String::from("# Records with a hidden effect\n\n");
+    let mut text = format!("# Records with a hidden effect{}\n\n", study.fineness.strips);
     text.push_str(&state(outcomes, study, beside));
     text.push_str(&ABOUT.replace("{meshes}", &meshes(&study.fineness)));
     text.push_str(&criteria::section(outcomes, beside));

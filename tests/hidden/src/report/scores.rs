@@ -48,10 +48,14 @@ pub fn said(o: &Outcome) -> impl Iterator<Item = &String> {
     o.stated.iter().flat_map(|s| s.effects.iter().filter(|(_, p)| **p >= 0.9).map(|(e, _)| e))
 }
 
-/// Whether the base model's interval of Gc holds the truth; `None`: it states none.
-pub fn gc_inside(o: &Outcome) -> Option<bool> {
-    let [_, low, high] = o.stated.as_ref()?.base_gc?;
-    Some((low..=high).contains(&o.truth.gc()))
+/// Whether an interval of Gc holds the truth.
+pub fn inside(o: &Outcome, [_, low, high]: [f64; 3]) -> bool {
+    (low..=high).contains(&o.truth.gc())
+}
+
+/// Half the width of an interval of Gc, over the truth.
+pub fn half_width(o: &Outcome, [_, low, high]: [f64; 3]) -> f64 {
+    0.5 * (high - low) / o.truth.gc()
 }
 
 /// The section.

@@ -21,7 +21,7 @@ fn answer(name: &str, sure: f64, groups: &[&str]) -> Value {
         "end": "answered", "verdict": "explained", "found": groups, "groups": [groups], "screen": [],
         "ladder": [step], "tried": [step], "failed": [],
         "stated": {"effects": {"lag": sure, "backlash": 0.01}, "nothing": 0.0, "something_else": 0.2, "rest": 0.013,
-            "base_gc": null},
+            "base_gc": [0.19, 0.185, 0.195], "averaged_gc": [0.19, 0.15, 0.21]},
         "forward_runs": 1, "seconds": 3.0
     })
 }
@@ -44,6 +44,12 @@ fn a_name_in_place_of_the_effect_that_was_left_out_is_counted() {
     let row = "| case-002 | Paper | backlash (1; 28) | explained | lag | lag 94 % | 20 % | 1.3 % |";
     assert!(text.contains(row), "{text}");
     let whole = page(&all, &study(Vec::new()), None);
+    assert!(whole.starts_with("# Records with a hidden effect: small strips\n"));
+    // Gc is 0.2 N/mm.
+    let base =
+        "base model's 95 % interval, something hidden | ≥ 85 % | 0 of 1 (0 %), ± 2.5 % (median) | **no** |";
+    let averaged = "averaged over what may be missing, something hidden | ≥ 85 % | 1 of 1 (100 %), ± 15.0 % (median) | yes |";
+    assert!(whole.contains(base) && whole.contains(averaged), "{whole}");
     assert!(!whole.contains("left out") && !whole.contains("These are the cases"));
     assert!(
         whole.contains("| mesh of the fit | 1.4 mm and 0.5 mm, one layer, Gauss points, 2 areas;"),
