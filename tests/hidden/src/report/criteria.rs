@@ -125,12 +125,11 @@ fn outside(outcomes: &[Outcome]) -> Vec<Row> {
     ]
 }
 
+/// Gc with the ends of an interval, where an answer states them.
+type Interval = fn(&Stated) -> Option<[f64; 3]>;
+
 /// How often an interval of Gc holds the truth where something is hidden, and how wide it is.
-fn inside(
-    outcomes: &[Outcome],
-    what: &'static str,
-    (least, of): (f64, fn(&Stated) -> Option<[f64; 3]>),
-) -> Row {
+fn inside(outcomes: &[Outcome], what: &'static str, (least, of): (f64, Interval)) -> Row {
     let hidden = outcomes.iter().filter(|o| !o.truth.effects.is_empty());
     let stated: Vec<(&Outcome, [f64; 3])> =
         hidden.filter_map(|o| Some((o, of(o.stated.as_ref()?)?))).collect();
