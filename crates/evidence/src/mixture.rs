@@ -1,11 +1,11 @@
 //! What a model, and many models together, say of a quantity: mixtures of normal distributions.
 
-use crate::linear::Solved;
+use crate::linear::{Parameter, Solved};
 use crate::model::{Evidence, View};
 use crate::rest::RestPrior;
 use crate::special::phi;
 use crate::truncated::Belief;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 /// Sizes of the rest that weigh less are left out.
 const NEGLIGIBLE: f64 = 1e-4;
@@ -47,42 +47,41 @@ impl Evidence {
         out
     }
 
-    /// The same at one size of the rest.
+    /// The same at one size of the rest. A quantity is followed along its tangent at the point of linearisation, as the model is: what
+    /// a record fixes of many parameters together stays fixed then, however far each of them goes.
     fn at_node(&self, solved: &Solved, quantity: &Quantity) -> Vec<Normal> {
         let p = self.parameters.len();
         let covariance = solved.covariance().view((0, 0), (p, p)).into_owned();
-        let at = DVector::from_fn(p, |i, _| self.parameters[i].at);
-        let within = |mut z: DVector<f64>| {
-            for (z, x) in z.iter_mut().zip(&self.parameters) {
-                *z = z.clamp(x.belief.lower, x.belief.upper);
-            }
-            z
-        };
-        let free = &at + solved.step.rows(0, p);
-        let (_, gradient) = quantity(&within(&at + solved.bounded_step(&self.parameters).rows(0, p)));
+        let (at, gradient) = quantity(&DVector::from_fn(p, |i, _| self.parameters[i].at));
         let along = &covariance * &gradient;
         let variance = gradient.dot(&along);
-        let sd = |i: usize| covariance[(i, i)].sqrt();
-        let room = |i: usize| {
-            let b = &self.parameters[i].belief;
-            (free[i] - b.lower).min(b.upper - free[i]) / sd(i)
+        let Some((a, amplitude)) = self.near_its_bound(solved, &covariance) else {
+            let step = solved.bounded_step(&self.parameters);
+            let mean = at + gradient.dot(&step.rows(0, p));
+            return vec![Normal { weight: 1.0, mean, sd: variance.max(0.0).sqrt() }];
         };
-        let nearest = (0..p)
-            .filter(|&i| self.parameters[i].amplitude && sd(i) > 0.0 && room(i) < NEAR)
-            .min_by(|&i, &j| room(i).total_cmp(&room(j)));
-        let Some(a) = nearest else {
-            let z = within(&at + solved.bounded_step(&self.parameters).rows(0, p));
-            return vec![Normal { weight: 1.0, mean: quantity(&z).0, sd: variance.max(0.0).sqrt() }];
-        };
-        let b = &self.parameters[a].belief;
-        let amplitude = Belief { mean: free[a], sd: sd(a), lower: b.lower, upper: b.upper };
+        let free = at + gradient.dot(&solved.step.rows(0, p));
         let left = (variance - along[a] * along[a] / covariance[(a, a)]).max(0.0).sqrt();
         let slice = |j: usize| {
             let value = amplitude.quantile((j as f64 + 0.5) / SLICES as f64);
-            let z = within(&free + covariance.column(a) * ((value - free[a]) / covariance[(a, a)]));
-            Normal { weight: 1.0 / SLICES as f64, mean: quantity(&z).0, sd: left }
+            let mean = free + along[a] / covariance[(a, a)] * (value - amplitude.mean);
+            Normal { weight: 1.0 / SLICES as f64, mean, sd: left }
         };
         (0..SLICES).map(slice).collect()
+    }
+
+    /// The amplitude that is nearest to its bound, if one is near, with what the records say of it without the others.
+    fn near_its_bound(&self, solved: &Solved, covariance: &DMatrix<f64>) -> Option<(usize, Belief)> {
+        let said = |i: usize| {
+            let Parameter { at, belief, .. } = &self.parameters[i];
+            Belief { mean: at + solved.step[i], sd: covariance[(i, i)].sqrt(), ..*belief }
+        };
+        let room = |b: &Belief| (b.mean - b.lower).min(b.upper - b.mean) / b.sd;
+        (0..self.parameters.len())
+            .filter(|&i| self.parameters[i].amplitude)
+            .map(|i| (i, said(i)))
+            .filter(|(_, b)| b.sd > 0.0 && room(b) < NEAR)
+            .min_by(|(_, a), (_, b)| room(a).total_cmp(&room(b)))
     }
 }
 

@@ -82,6 +82,33 @@ fn sets_that_were_not_fitted_count_by_their_columns() {
     assert!((width(without.path_means["sigma_c"].interval_95) / width(alone) - 1.0).abs() < 0.05);
 }
 
+/// Shapes of one effect share its probability; the parameters of effects are no values of the tissue.
+#[test]
+fn a_set_says_each_value_once() {
+    let catalogue = effects::catalogue();
+    let mut ladder = explained(&catalogue);
+    let posterior = posterior(&[(&[], 0.0), (&["mullins"], even())]);
+    let beliefs = Beliefs::of(ladder.case(), ladder.catalogue());
+    let set = vec!["mullins".to_owned()];
+    let weight = |ladder: &FeLadder| {
+        let measured = measured(ladder).expect("records");
+        let all = ladder.fitted_models.values().map(AtFit::from);
+        let scale = Scale::new(&measured, all, ladder.catalogue(), &beliefs).expect("a scale");
+        let asked = asked_of(&ladder.fitted_models[&Vec::new()]);
+        let said = said_by(ladder, &scale, &posterior, (&set, 0.5), &asked).expect("numbers").expect("a set");
+        assert_eq!(said.len(), asked.len());
+        said.iter().map(|parts| parts.iter().map(|n| n.weight).sum()).collect::<Vec<f64>>()
+    };
+    let shapes = |c: &&Candidate| c.effect == "mullins" && c.shapes.len() > 1;
+    assert!(ladder.screened[&Vec::new()].iter().any(|c| shapes(&c)));
+    assert!(weight(&ladder).iter().all(|w| (w - 1.0).abs() < 1e-9));
+    ladder.fit_sets(std::slice::from_ref(&set)).expect("a fit");
+    assert!(weight(&ladder).iter().all(|w| (w - 1.0).abs() < 1e-9));
+    let with = &ladder.fitted_models[&set];
+    assert!(with.free_parameters.iter().any(|f| f.path.starts_with("effects.")));
+    assert!(asked_of(with).iter().all(|a| !a.name.starts_with("effects.")));
+}
+
 #[test]
 fn a_mean_along_the_path_is_asked_in_its_logarithm() {
     let free: Vec<Free> = [1.0, 3.0, 0.5]

@@ -112,3 +112,27 @@ fn moments(parts: &[Normal]) -> (f64, f64) {
     let square: f64 = parts.iter().map(|n| n.weight * (n.sd * n.sd + n.mean * n.mean)).sum();
     (mean, (square - mean * mean).sqrt())
 }
+
+/// Two parameters whose sum, each in its logarithm, is all that a record knows: the mean of both is known however far either of them
+/// is believed to go.
+#[test]
+fn what_a_record_fixes_together_is_known_together() {
+    let (record, mut linear) = line(Belief::normal(0.0, 10.0), |_| 0.0);
+    // ∂(e^a + e^b) at a = ln 1, b = ln 3.
+    for (k, value) in [1.0f64, 3.0].into_iter().enumerate() {
+        linear.parameters[k].at = value.ln();
+        // They are believed elsewhere, so that the mode is far along what the record leaves open.
+        linear.parameters[k].belief = Belief::normal(if k == 0 { 2.0 } else { 0.0 }, 1.0);
+        linear.jacobian.column_mut(k).fill(value);
+    }
+    let rest = RestPrior { smooth: 1e-9, jerk: 1e-9, ..RestPrior::default() };
+    let evidence = Evidence::of(&record, &linear, &rest, Kernel::Plain).expect("an evidence");
+    let mean = |z: &DVector<f64>| {
+        let [a, b] = [z[0].exp(), z[1].exp()];
+        ((0.5 * (a + b)).ln(), DVector::from_vec(vec![a / (a + b), b / (a + b)]))
+    };
+    let parts = evidence.says(&rest, 0.0, &[&mean, &slope]);
+    let (at, sd) = moments(&parts[0]);
+    assert!((at - 2f64.ln()).abs() < 0.01 && sd < 0.01, "{at} {sd}");
+    assert!(moments(&parts[1]).0 > 0.5, "the first is not where it was linearised");
+}
