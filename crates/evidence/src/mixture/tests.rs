@@ -136,3 +136,25 @@ fn what_a_record_fixes_together_is_known_together() {
     assert!((at - 2f64.ln()).abs() < 0.01 && sd < 0.01, "{at} {sd}");
     assert!(moments(&parts[1]).0 > 0.5, "the first is not where it was linearised");
 }
+
+#[test]
+fn of_two_amplitudes_the_one_nearer_to_its_bound_is_asked() {
+    let (record, mut linear) = line(Belief::above(0.0, 10.0), |s| 0.3 * s - 0.001);
+    // Two standard deviations above its bound.
+    let rest = RestPrior { smooth: 1e-9, jerk: 1e-9, ..RestPrior::default() };
+    let nearest = |linear: &Linear| {
+        let evidence = Evidence::of(&record, linear, &rest, Kernel::Plain).expect("an evidence");
+        let solved = evidence.solved(0);
+        let covariance = solved.covariance().view((0, 0), (2, 2)).into_owned();
+        (evidence.near_its_bound(&solved, &covariance).map(|(a, _)| a), 0.3 - 2.0 * covariance[(0, 0)].sqrt())
+    };
+    let (own, bound) = nearest(&linear);
+    assert_eq!(own, Some(1));
+    linear.parameters[0].amplitude = true;
+    linear.parameters[0].belief.lower = bound;
+    assert_eq!(nearest(&linear).0, Some(1));
+    linear.parameters[1].belief = Belief::normal(0.0, 10.0);
+    assert_eq!(nearest(&linear).0, Some(0));
+    linear.parameters[0].amplitude = false;
+    assert_eq!(nearest(&linear).0, None);
+}
