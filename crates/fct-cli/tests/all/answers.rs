@@ -125,12 +125,21 @@ fn discover_names_what_is_hidden() -> Tested {
     assert!(one["as_good"].as_array().is_some_and(|a| a.contains(&serde_json::json!(["drift"]))), "{one}");
     let gc = &one["ladder"][0]["values"]["interface.area[1].gc"];
     assert!(gc.as_f64().is_some_and(|gc| (gc / 0.15 - 1.0).abs() < 0.1), "{gc}");
+    let averaged = &found["averaged"]["path_means"]["sigma_c"];
+    let [strength, low, high] =
+        [&averaged["value"], &averaged["interval_95"][0], &averaged["interval_95"][1]]
+            .map(|v| v.as_f64().unwrap_or(f64::NAN));
+    assert!((strength / 0.08 - 1.0).abs() < 0.1 && low < 0.08 && 0.08 < high, "{}", found["averaged"]);
     // The same run, asked in words.
+    let sentence = "Averaged over what may be missing, along the tear: strength σc 0.08";
+    let again = fct(here, &["discover", "fit.toml", "--out", "search", "--resume"])?;
+    let words = String::from_utf8(again.stdout)?;
+    assert!(words.split_whitespace().collect::<Vec<_>>().join(" ").contains(sentence), "{words}");
     let out = fct(here, &["report", "search"])?;
     assert!(out.status.success());
     let page = fs::read_to_string(here.join("search/report.html"))?;
     assert!(page.contains("drift") && page.contains("Is the model good enough?"));
-    assert!(!page.contains("This leaves out"));
+    assert!(page.contains(sentence) && !page.contains("This leaves out"));
     practice_on_the_page(here)?;
     undecided_on_the_page(here)
 }
