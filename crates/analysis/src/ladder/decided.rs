@@ -25,9 +25,15 @@ impl FeLadder<'_> {
     pub fn weighed(&mut self) -> Result<Weighed, AnalysisError> {
         let (probable, posterior) = self.weigh_catalogue()?;
         let (decision, steps) = self.decided(&posterior, probable.left.explained_to)?;
-        let averaged = averaged(self, &posterior)
-            .map_err(|e| AnalysisError::Case(format!("no average over what may be missing: {e}")))?;
-        Ok(Weighed { averaged: Some(averaged), ..self.answered(decision, steps, probable) })
+        let averaged = match averaged(self, &posterior) {
+            Ok(averaged) => Some(averaged),
+            // What was found stands without it.
+            Err(why) => {
+                (self.progress)(&format!("No average over what may be missing ({why})."));
+                None
+            }
+        };
+        Ok(Weighed { averaged, ..self.answered(decision, steps, probable) })
     }
 
     /// What is named, and the models that show it, each fitted: `leading` is to what the leading set explains the records.
