@@ -8,6 +8,7 @@ use super::decided::Probabilities;
 use super::fit::LITTLE;
 use super::laws::other_laws;
 use super::leading::leading;
+use super::smaller::Pair;
 use super::{FeLadder, Fitted, named};
 use crate::cost::Phase;
 use crate::identify::{AnalysisError, FAR};
@@ -49,6 +50,7 @@ impl FeLadder<'_> {
                 || self.end_leaders_as_identified(&mut done, &now)
                 || self.fit_others(&mut done, &now)?
                 || self.settle_leaders(&mut done, &now)?
+                || self.begin_smaller_again(&mut done, &now)
                 || self.settle_rivals(&mut done, &now)?
                 || self.screen_leaders(&now)?
                 || self.grow(&now)?;
@@ -292,6 +294,8 @@ pub(super) struct Done {
     pub ended: BTreeSet<Vec<String>>,
     /// Sets that were looked at on the file's mesh.
     pub seen: BTreeSet<Vec<String>>,
+    /// Sets that led, and those without one effect that began once more from where they ended.
+    pub smaller: BTreeSet<Pair>,
     /// Sets whose effects were tried in other forms.
     pub formed: BTreeSet<Vec<String>>,
 }

@@ -30,7 +30,7 @@ const COARSE_TOLERANCE: f64 = 2e-2;
 pub(super) const STEPS: usize = 24;
 
 /// Three steps in a row that lower χ² by less than this end the fit of what is weighed.
-const INSIGNIFICANT: f64 = 0.25;
+pub(super) const INSIGNIFICANT: f64 = 0.25;
 
 /// Trials of one step before the search is content. From the sixth on they must promise what is worth another step:
 /// the fits of a search begin where one trial in two is the bent one, so fewer hardly damp them.

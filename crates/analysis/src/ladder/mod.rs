@@ -19,6 +19,7 @@ pub(crate) mod next_test;
 mod pace;
 mod rivals;
 mod settle;
+mod smaller;
 #[cfg(test)]
 pub(crate) mod tests;
 mod torn_end;
