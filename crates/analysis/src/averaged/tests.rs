@@ -82,6 +82,24 @@ fn sets_that_were_not_fitted_count_by_their_columns() {
     assert!((width(without.path_means["sigma_c"].interval_95) / width(alone) - 1.0).abs() < 0.05);
 }
 
+/// A mean along the path is told where the records fix it, of areas that stand at no bound; a parameter is told as it is.
+#[test]
+fn what_is_not_fixed_has_no_mean() {
+    let catalogue = effects::catalogue();
+    let alone = posterior(&[(&[], 0.0)]);
+    let told = |ladder: &FeLadder| averaged(ladder, &alone).expect("an average");
+    // What this tear leaves is no noise, and its toughness may be anything.
+    let open = told(&unexplained(&catalogue));
+    assert!(!open.path_means.contains_key("gc") && open.parameters.contains_key("interface.area[1].gc"));
+    let mut ladder = explained(&catalogue);
+    let at = meet(&mut ladder, &Vec::new());
+    assert!(told(&ladder).path_means.contains_key("sigma_c"));
+    ladder.fitted_models.get_mut(&Vec::new()).expect("a fit").fit.at_bound[at] = true;
+    let bound = told(&ladder);
+    assert!(!bound.path_means.contains_key("sigma_c"));
+    assert!(bound.parameters.contains_key("interface.area[1].sigma_c"));
+}
+
 /// Shapes of one effect share its probability; the parameters of effects are no values of the tissue.
 #[test]
 fn a_set_says_each_value_once() {

@@ -84,7 +84,10 @@ mod tests {
         ladder.fit_sets(std::slice::from_ref(&one)).expect("a fit");
         ladder.fit_sets(std::slice::from_ref(&two)).expect("a fit");
         let right = ladder.fitted_models[&one].fit.f;
-        ladder.fitted_models.get_mut(&one).expect("a fit").fit.f = 1e3 * right;
+        let astray = ladder.fitted_models.get_mut(&one).expect("a fit");
+        // From its own values no run comes through.
+        astray.theta.fill(f64::NAN);
+        astray.fit.f = 1e3 * right;
         ladder.screened.insert(one.clone(), Vec::new());
         let (found, posterior, models) = ladder.posterior().expect("probabilities");
         let now = Now { found, posterior, models, noise: true, leads: vec![two.clone()] };
