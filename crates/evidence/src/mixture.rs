@@ -29,7 +29,7 @@ pub struct Normal {
 pub type Quantity<'a> = dyn Fn(&DVector<f64>) -> (f64, DVector<f64>) + 'a;
 
 impl Evidence {
-    /// What the model says of some quantities, each a mixture over the sizes of the rest whose weights sum to 1; the quantities to
+    /// What the model says of some quantities, one list of parts each, in the quantity's own unit: a mixture over the sizes of the rest whose weights sum to 1; the quantities to
     /// first order in the parameters. `beyond` is the prior probability of a cause outside the catalogue. What an amplitude near its
     /// bound has to do with a quantity is known to be on one side.
     pub fn says(&self, rest: &RestPrior, beyond: f64, quantities: &[&Quantity]) -> Vec<Vec<Normal>> {
@@ -85,8 +85,15 @@ impl Evidence {
     }
 }
 
-/// Quantile of a mixture of normal distributions, each cut off at the bounds; by bisection.
+/// The value below which a share `p`, 0 < p < 1, of a mixture of normal distributions lies, each cut off at the bounds, in the
+/// coordinate of their means; by bisection. Weights need not sum to 1; NaN where there is no part.
+///
+/// # Panics
+/// When the bounds are not in order.
 pub fn quantile(parts: &[Normal], [lower, upper]: [f64; 2], p: f64) -> f64 {
+    if parts.is_empty() {
+        return f64::NAN;
+    }
     let below = |x: f64| {
         let (mut sum, mut total) = (0.0, 0.0);
         for &Normal { weight, mean, sd } in parts {

@@ -46,6 +46,7 @@ fn quantiles_of_a_mixture_are_where_its_mass_is() {
     // Half a normal distribution, and one that lies beyond its bound.
     assert!((quantile(&[part(1.0, 0.0, 1.0)], [0.0, f64::INFINITY], 0.5) - 0.6745).abs() < 1e-3);
     assert_eq!(quantile(&[part(1.0, -50.0, 1.0)], [0.0, 5.0], 0.5), 0.0);
+    assert!(quantile(&[], whole_line(), 0.5).is_nan());
 }
 
 /// A parameter's own mixture has the quantiles of its interval, and a sum's those of a sum.
